@@ -1,0 +1,37 @@
+# Every target that builds first sees to it that the machine can: setup takes a moment when all is there.
+.DEFAULT_GOAL := help
+.NOTPARALLEL: # cargo uses all cores by itself, and two set-ups at once would collide
+.PHONY: help setup setup-tests demo test gallery bench lint clean
+
+env := . scripts/env.sh &&
+
+help: ## list these targets
+	@echo "raggio, a progressive path tracer. Targets:"
+	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1	\2/p' Makefile
+
+setup: ## install what is missing: slangc and Python tools into .venv
+	@bash scripts/setup.sh
+
+setup-tests: # setup, and a software Vulkan device where root can install one
+	@bash scripts/setup.sh --tests
+
+demo: setup ## build raggio and render its showcase
+	$(env) cargo run --release --bin raggio -- demo
+
+test: setup-tests ## build and run all tests
+	$(env) cargo build --release --workspace
+	$(env) cargo test --release --workspace
+
+gallery: setup ## render the pictures of the documentation
+	$(env) python scripts/gallery.py
+
+bench: setup ## measure the speed
+	$(env) python scripts/bench.py
+
+lint: setup ## check formatting, warnings and the documentation's links
+	$(env) cargo fmt --all --check
+	$(env) python scripts/check_links.py
+	$(env) cargo clippy --workspace --all-targets --release -- -D warnings
+
+clean: ## remove what was built; .venv stays
+	$(env) cargo clean

@@ -1,0 +1,140 @@
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use raggio_render::{DeviceChoice, ToneMapper};
+
+/// A progressive path tracer on Vulkan and the CPU.
+#[derive(Parser)]
+#[command(version, propagate_version = true)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Render a scene to image files
+    Render(RenderArguments),
+    /// List the devices that can render, and what they lack if anything
+    Devices,
+    /// Read a scene and say what is wrong with it, if anything
+    Check {
+        /// Scene file (.toml)
+        scene: PathBuf,
+    },
+    /// Render the scene that comes with raggio, to showcase.png
+    Demo(DemoArguments),
+    /// Print the JSON Schema of scene files, for editors
+    Schema,
+}
+
+#[derive(Args)]
+pub struct RenderArguments {
+    /// Scene file (.toml)
+    pub scene: PathBuf,
+    /// Image to write, .png (tone-mapped) or .exr (linear radiance); may be given several times [default: NAME.png]
+    #[arg(short, long = "output", value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+    #[command(flatten)]
+    pub machine: MachineArguments,
+    #[command(flatten)]
+    pub overrides: Overrides,
+    /// How light is followed
+    #[arg(long, value_enum, default_value_t = Integrator::Reference)]
+    pub integrator: Integrator,
+    /// Write figures of the render to this file, as JSON
+    #[arg(long, value_name = "FILE")]
+    pub stats: Option<PathBuf>,
+    /// Brighten (or darken) PNGs by this many stops
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub exposure: f32,
+    /// How PNGs squeeze radiance into what a display can show
+    #[arg(long, value_enum, default_value_t = ToneMapperName::Neutral)]
+    pub tone_mapper: ToneMapperName,
+}
+
+#[derive(Args)]
+pub struct DemoArguments {
+    /// Image to write
+    #[arg(short, long = "output", value_name = "FILE", default_value = "showcase.png")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub machine: MachineArguments,
+    #[command(flatten)]
+    pub overrides: Overrides,
+}
+
+/// What to render on, and how loudly.
+#[derive(Args)]
+pub struct MachineArguments {
+    /// auto, cpu, vulkan or vulkan:N (as `raggio devices` numbers them); auto is a GPU if there is one, else the CPU
+    #[arg(long, value_name = "DEVICE", default_value_t = DeviceChoice::Auto)]
+    pub device: DeviceChoice,
+    /// Threads of the cpu device [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub threads: Option<u32>,
+    /// Say nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// Keys of the scene's [render] that the command line overrides.
+#[derive(Args)]
+pub struct Overrides {
+    /// Samples per pixel
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i32::MAX as i64))]
+    pub samples: Option<u32>,
+    /// Size of the image in pixels; keeps the vertical field of view
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<Size>,
+    /// Most rays along one path, the camera's included
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65535))]
+    pub max_depth: Option<u32>,
+    /// Selects the random numbers: another seed is another picture of the same noise level
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u32>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    pub width: u32,
+    pub height: u32,
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let side = |text: &str| text.parse().ok().filter(|n| (1..=65536).contains(n));
+        text.split_once(['x', 'X'])
+            .and_then(|(width, height)| Some(Self { width: side(width)?, height: side(height)? }))
+            .ok_or_else(|| "give width and height in pixels, each 1 to 65536, as in 1280x720".into())
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Integrator {
+    /// The naive path tracer: no light sampling, no tricks
+    Reference,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum ToneMapperName {
+    /// Khronos PBR Neutral: colours stay what they are, highlights roll off
+    Neutral,
+    /// The film-like curve of ACES
+    Aces,
+    /// Cut off at 1
+    None,
+}
+
+impl From<ToneMapperName> for ToneMapper {
+    fn from(name: ToneMapperName) -> Self {
+        match name {
+            ToneMapperName::Neutral => Self::Neutral,
+            ToneMapperName::Aces => Self::Aces,
+            ToneMapperName::None => Self::None,
+        }
+    }
+}

@@ -1,0 +1,54 @@
+use std::process::ExitCode;
+
+use raggio_render::{DeviceError, OutputError, TranslationError};
+use raggio_scene::SceneError;
+
+/// Whose fault it is decides the exit status; the text is one sentence for the user.
+#[derive(Debug)]
+pub enum Failure {
+    /// The scene, the arguments or the place to write to: status 2.
+    Input(String),
+    /// The device: status 3.
+    Device(String),
+}
+
+impl Failure {
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Input(_) => ExitCode::from(2),
+            Self::Device(_) => ExitCode::from(3),
+        }
+    }
+}
+
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Input(message) | Self::Device(message) => f.write_str(message),
+        }
+    }
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        Self::Input(error.to_string())
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        Self::Input(error.to_string())
+    }
+}
+
+impl From<TranslationError> for Failure {
+    fn from(error: TranslationError) -> Self {
+        Self::Input(error.to_string())
+    }
+}
+
+impl From<DeviceError> for Failure {
+    fn from(error: DeviceError) -> Self {
+        Self::Device(error.to_string())
+    }
+}

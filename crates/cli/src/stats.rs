@@ -1,0 +1,47 @@
+use std::path::Path;
+
+use raggio_render::{Film, Progress};
+use serde_json::json;
+
+use crate::error::Failure;
+
+/// What a render did, for `--stats`.
+pub struct Stats<'a> {
+    pub device: &'a str,
+    pub film: &'a Film,
+    pub progress: Progress,
+    pub max_depth: u32,
+    pub setup_seconds: f64,
+    pub shapes: usize,
+}
+
+impl Stats<'_> {
+    pub fn write(&self, path: &Path) -> Result<(), Failure> {
+        let seconds = self.progress.seconds.max(1e-9);
+        let rays = self.film.rays();
+        let stats = json!({
+            "device": self.device,
+            "width": self.film.width(),
+            "height": self.film.height(),
+            "samples_per_pixel": self.progress.samples,
+            "max_depth": self.max_depth,
+            "setup_seconds": self.setup_seconds,
+            "render_seconds": self.progress.seconds,
+            "samples_per_second": self.progress.total_samples as f64 / seconds,
+            "rays": rays,
+            "rays_per_second": rays as f64 / seconds,
+            "peak_memory_bytes": peak_memory_bytes(),
+            "triangles": 0,
+            "shapes": self.shapes,
+        });
+        raggio_render::write_whole(path, format!("{stats:#}\n").as_bytes())
+            .map_err(|e| Failure::Input(format!("cannot write {}: {e}", path.display())))
+    }
+}
+
+/// The most memory this process has held; unknown (null) where the system does not say so in `/proc`.
+fn peak_memory_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(line.split_whitespace().next()?.parse::<u64>().ok()? * 1024)
+}

@@ -1,0 +1,261 @@
+//! Rust twins of the kernels' structures, enumerations and constants, from slangc's reflection and the Slang files.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::slang::Modules;
+
+pub fn generate(modules: &Modules, out: &Path) -> Result<(), String> {
+    let cpp = parameters(&modules.cpp_reflection)?;
+    let spirv = parameters(&modules.spirv_reflection)?;
+
+    let mut types = Types::default();
+    let mut text = String::new();
+    for name in ["work", "film", "output", "input"] {
+        types.collect(element(find(&cpp, name)?))?;
+    }
+    let scene_cpp = buffers(find(&cpp, "scene")?, "offset")?;
+    let scene_spirv = buffers(find(&spirv, "scene")?, "index")?;
+    for (cpp, spirv) in scene_cpp.iter().zip(&scene_spirv) {
+        if cpp.element != spirv.element {
+            return Err(format!("`{}` is laid out differently in C++ and in SPIR-V", cpp.name));
+        }
+        types.collect(&cpp.element)?;
+    }
+    text += &types.text;
+    text += &scene_buffers(&scene_cpp)?;
+    text += &places(&cpp, &spirv, &scene_cpp, &scene_spirv)?;
+    text += &enumerations_and_constants(&modules.kernels)?;
+    std::fs::write(out.join("layout.rs"), text).map_err(|e| format!("cannot write the layouts: {e}"))
+}
+
+fn parameters(path: &Path) -> Result<Vec<Value>, String> {
+    let text = std::fs::read_to_string(path).map_err(|e| format!("cannot read slangc's reflection: {e}"))?;
+    let json: Value = serde_json::from_str(&text).map_err(|e| format!("slangc's reflection is not JSON: {e}"))?;
+    json["parameters"].as_array().cloned().ok_or("slangc's reflection has no parameters".into())
+}
+
+fn find<'a>(parameters: &'a [Value], name: &str) -> Result<&'a Value, String> {
+    parameters.iter().find(|p| p["name"] == name).ok_or(format!("the kernels have no parameter `{name}`"))
+}
+
+/// What a buffer, constant buffer or parameter block holds.
+fn element(parameter: &Value) -> &Value {
+    let kind = &parameter["type"];
+    if kind["resultType"].is_object() { &kind["resultType"] } else { &kind["elementType"] }
+}
+
+/// A structured buffer of the scene: its Rust name, where it is bound, what it holds.
+struct Buffer {
+    name: String,
+    place: u64,
+    element: Value,
+}
+
+/// The structured buffers of a parameter block, those in nested structures too; `place` is their offset or index.
+fn buffers(block: &Value, place: &str) -> Result<Vec<Buffer>, String> {
+    fn walk(fields: &Value, base: u64, place: &str, found: &mut Vec<Buffer>) -> Result<(), String> {
+        for field in fields.as_array().ok_or("a structure without fields")? {
+            let name = snake(field["name"].as_str().unwrap_or_default());
+            let at = base + field["binding"][place].as_u64().ok_or(format!("`{name}` has no place"))?;
+            match field["type"]["kind"].as_str() {
+                Some("struct") => walk(&field["type"]["fields"], at, place, found)?,
+                Some("resource") => found.push(Buffer { name, place: at, element: field["type"]["resultType"].clone() }),
+                other => return Err(format!("Scene holds buffers alone, and `{name}` is {other:?}")),
+            }
+        }
+        Ok(())
+    }
+    let mut found = Vec::new();
+    walk(&element(block)["fields"], 0, place, &mut found)?;
+    Ok(found)
+}
+
+/// Structures by name, and their Rust text in order of dependence.
+#[derive(Default)]
+struct Types {
+    seen: BTreeMap<String, ()>,
+    text: String,
+}
+
+impl Types {
+    /// Writes the structure `kind` and those it contains, once each.
+    fn collect(&mut self, kind: &Value) -> Result<(), String> {
+        if kind["kind"] != "struct" {
+            return Ok(());
+        }
+        let name = kind["name"].as_str().ok_or("a structure without a name")?;
+        if self.seen.insert(name.to_owned(), ()).is_some() {
+            return Ok(());
+        }
+        let fields = kind["fields"].as_array().ok_or("a structure without fields")?;
+        for field in fields {
+            self.collect(&field["type"])?;
+        }
+
+        let mut text = format!(
+            "/// `{name}` of the kernels.\n#[repr(C)]\n#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]\npub struct {name} {{\n"
+        );
+        let mut checks = String::new();
+        for field in fields {
+            let member = snake(field["name"].as_str().unwrap_or_default());
+            let _ = writeln!(text, "    pub {member}: {},", rust_type(&field["type"])?);
+            let offset = &field["binding"]["offset"];
+            let _ = writeln!(checks, "const _: () = assert!(std::mem::offset_of!({name}, {member}) == {offset});");
+        }
+        let size = kind["sizes"][0]["value"].as_u64().ok_or(format!("`{name}` has no size"))?;
+        let _ = writeln!(checks, "const _: () = assert!(std::mem::size_of::<{name}>() == {size});\n");
+        self.text += &text;
+        self.text += "}\n";
+        self.text += &checks;
+        Ok(())
+    }
+}
+
+fn rust_type(kind: &Value) -> Result<String, String> {
+    Ok(match kind["kind"].as_str() {
+        Some("scalar") => match kind["scalarType"].as_str() {
+            Some("float32") => "f32".into(),
+            Some("uint32") => "u32".into(),
+            Some("int32") => "i32".into(),
+            other => return Err(format!("the host has no twin of scalar {other:?}")),
+        },
+        Some("vector") => format!("[{}; {}]", rust_type(&kind["elementType"])?, kind["elementCount"]),
+        Some("matrix") => {
+            format!("[[{}; {}]; {}]", rust_type(&kind["elementType"])?, kind["columnCount"], kind["rowCount"])
+        }
+        Some("array") => format!("[{}; {}]", rust_type(&kind["elementType"])?, kind["elementCount"]),
+        Some("struct") => kind["name"].as_str().unwrap_or_default().into(),
+        other => return Err(format!("the host has no twin of {other:?}")),
+    })
+}
+
+/// The scene as the host fills it: one vector for each buffer.
+fn scene_buffers(buffers: &[Buffer]) -> Result<String, String> {
+    let mut text = String::from(
+        "/// A scene as the kernels see it: a vector for each of their buffers.\n#[derive(Clone, Debug, Default, PartialEq)]\npub struct SceneBuffers {\n",
+    );
+    let mut slices = String::new();
+    for Buffer { name, element, .. } in buffers {
+        let _ = writeln!(text, "    pub {name}: Vec<{}>,", rust_type(element)?);
+        let _ = write!(
+            slices,
+            "            BufferBytes {{ name: \"{name}\", bytes: bytemuck::cast_slice(&self.{name}), count: self.{name}.len(), stride: std::mem::size_of::<{}>() }},\n",
+            rust_type(element)?
+        );
+    }
+    let count = buffers.len();
+    let _ = write!(
+        text,
+        "}}\n\nimpl SceneBuffers {{\n    /// The buffers in the order of [`SCENE_BINDINGS`].\n    pub fn bytes(&self) -> [BufferBytes<'_>; {count}] {{\n        [\n{slices}        ]\n    }}\n}}\n\n"
+    );
+    Ok(text)
+}
+
+/// Where each parameter is: descriptor bindings for SPIR-V, offsets of 8 bytes for C++.
+fn places(cpp: &[Value], spirv: &[Value], scene_cpp: &[Buffer], scene_spirv: &[Buffer]) -> Result<String, String> {
+    let mut text = String::new();
+    let mut constant = |doc: &str, name: &str, kind: &str, value: String| {
+        let _ = writeln!(text, "/// {doc}\npub const {name}: {kind} = {value};");
+    };
+    let list = |buffers: &[Buffer], unit: u64| {
+        format!("[{}]", buffers.iter().map(|b| (b.place / unit).to_string()).collect::<Vec<_>>().join(", "))
+    };
+    let count = scene_cpp.len();
+    constant(
+        "Descriptor set of the scene.",
+        "SCENE_SET",
+        "u32",
+        find(spirv, "scene")?["binding"]["index"].to_string(),
+    );
+    constant(
+        "Bindings of the scene's buffers in that set.",
+        "SCENE_BINDINGS",
+        &format!("[u32; {count}]"),
+        list(scene_spirv, 1),
+    );
+    for name in ["film", "output", "input"] {
+        constant(
+            "Binding in descriptor set 0.",
+            &format!("{}_BINDING", name.to_uppercase()),
+            "u32",
+            find(spirv, name)?["binding"]["index"].to_string(),
+        );
+    }
+    constant(
+        "Word of the C++ scene block at which each buffer's pointer and length stand.",
+        "SCENE_WORDS",
+        &format!("[usize; {count}]"),
+        list(scene_cpp, 8),
+    );
+    for name in ["scene", "work", "film", "output", "input"] {
+        let offset = find(cpp, name)?["binding"]["offset"].as_u64().ok_or(format!("`{name}` has no offset"))?;
+        constant(
+            "Word of the C++ parameters at which it stands.",
+            &format!("{}_WORD", name.to_uppercase()),
+            "usize",
+            (offset / 8).to_string(),
+        );
+    }
+    Ok(text)
+}
+
+/// `enum X : uint { A = 0, ... }` and `static const uint N = 1;`, which the reflection leaves out.
+fn enumerations_and_constants(kernels: &Path) -> Result<String, String> {
+    let mut files = Vec::new();
+    slang_files(kernels, &mut files).map_err(|e| format!("cannot list the kernels: {e}"))?;
+    files.sort();
+    let mut text = String::new();
+    for file in files {
+        let source = std::fs::read_to_string(&file).map_err(|e| format!("cannot read {}: {e}", file.display()))?;
+        let mut lines = source.lines().map(str::trim);
+        while let Some(line) = lines.next() {
+            if let Some(name) = line.strip_prefix("enum ").and_then(|l| l.strip_suffix(" : uint")) {
+                let _ = writeln!(
+                    text,
+                    "/// `{name}` of the kernels.\n#[repr(u32)]\n#[derive(Clone, Copy, Debug, PartialEq, Eq)]\npub enum {name} {{"
+                );
+                for variant in lines.by_ref().take_while(|l| !l.starts_with('}')) {
+                    if variant.starts_with("//") || variant.contains('=') {
+                        let _ = writeln!(text, "    {variant}");
+                    }
+                }
+                text += "}\n";
+            } else if let Some((name, value)) = line
+                .strip_prefix("static const uint ")
+                .and_then(|l| l.strip_suffix(';'))
+                .and_then(|l| l.split_once(" = "))
+                .filter(|(_, value)| value.parse::<u32>().is_ok())
+            {
+                let _ = writeln!(text, "/// `{name}` of the kernels.\npub const {name}: u32 = {value};");
+            }
+        }
+    }
+    Ok(text)
+}
+
+fn slang_files(folder: &Path, found: &mut Vec<std::path::PathBuf>) -> std::io::Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() {
+            slang_files(&path, found)?;
+        } else if path.extension().is_some_and(|e| e == "slang") {
+            found.push(path);
+        }
+    }
+    Ok(())
+}
+
+fn snake(name: &str) -> String {
+    let mut out = String::new();
+    for c in name.chars() {
+        if c.is_uppercase() {
+            out.push('_');
+        }
+        out.extend(c.to_lowercase());
+    }
+    out
+}

@@ -1,0 +1,159 @@
+//! Calls the kernels that were compiled for the CPU.
+
+#![allow(unsafe_code)] // The call itself; all that it relies on is checked here.
+
+use crate::{
+    BrokenScene, EntryPoint, FILM_WORD, FilmPixel, INPUT_WORD, OUTPUT_WORD, SCENE_WORD, SCENE_WORDS, SceneBuffers,
+    WORK_WORD, Work,
+};
+
+/// Levels of instruction set that kernels are compiled for; all give the same bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InstructionSet {
+    /// x86-64-v4: AVX-512.
+    X86V4,
+    /// x86-64-v3: AVX2.
+    X86V3,
+    /// x86-64-v2: SSE4.2.
+    X86V2,
+    /// What every processor of the architecture has.
+    Baseline,
+}
+
+impl InstructionSet {
+    /// The most capable level that this build contains and this processor has; `None` on processors too old for any.
+    pub fn best() -> Option<Self> {
+        Self::available().first().copied()
+    }
+
+    /// All levels that this build contains and this processor has, the most capable first.
+    pub fn available() -> Vec<Self> {
+        BUILT.iter().copied().filter(|set| set.supported()).collect()
+    }
+
+    /// Its usual name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::X86V4 => "x86-64-v4",
+            Self::X86V3 => "x86-64-v3",
+            Self::X86V2 => "x86-64-v2",
+            Self::Baseline => std::env::consts::ARCH,
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    fn supported(self) -> bool {
+        use std::arch::is_x86_feature_detected as has;
+        let v2 = has!("sse4.2") && has!("popcnt") && has!("cmpxchg16b");
+        let v3 = v2 && has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("f16c") && has!("lzcnt");
+        let v4 = v3
+            && has!("avx512f")
+            && has!("avx512bw")
+            && has!("avx512cd")
+            && has!("avx512dq")
+            && has!("avx512vl");
+        match self {
+            Self::X86V4 => v4,
+            Self::X86V3 => v3,
+            Self::X86V2 => v2,
+            Self::Baseline => true,
+        }
+    }
+
+    #[cfg(not(target_arch = "x86_64"))]
+    fn supported(self) -> bool {
+        self == Self::Baseline
+    }
+}
+
+type Kernel = unsafe extern "C" fn(*const [u32; 3], *const u64);
+
+include!(concat!(env!("OUT_DIR"), "/cpu_table.rs"));
+
+/// A scene whose indices have been checked, ready for [`dispatch`].
+#[derive(Debug)]
+pub struct CpuScene {
+    buffers: SceneBuffers,
+}
+
+impl CpuScene {
+    /// Fails if an index in `buffers` points nowhere.
+    pub fn new(buffers: SceneBuffers) -> Result<Self, BrokenScene> {
+        buffers.check()?;
+        Ok(Self { buffers })
+    }
+
+    /// What it was made from.
+    pub fn buffers(&self) -> &SceneBuffers {
+        &self.buffers
+    }
+
+    /// As the kernels' parameter block: the address and length of each buffer, where the reflection puts them.
+    fn block(&self) -> Vec<u64> {
+        let bytes = self.buffers.bytes();
+        let words = SCENE_WORDS.iter().max().map_or(0, |last| last + 2);
+        let mut block = vec![0; words];
+        for (buffer, word) in bytes.iter().zip(SCENE_WORDS) {
+            block[word] = buffer.bytes.as_ptr() as u64;
+            block[word + 1] = buffer.count as u64;
+        }
+        block
+    }
+}
+
+/// What a kernel reads and writes besides the scene; leave empty what it does not touch.
+#[derive(Default)]
+pub struct Buffers<'a> {
+    /// The rows of the work: `width` times `rows` pixels.
+    pub film: &'a mut [FilmPixel],
+    /// Displayable pixels, or answers.
+    pub output: &'a mut [u32],
+    /// Questions.
+    pub input: &'a [[f32; 4]],
+}
+
+/// Runs one kernel over `work` on the calling thread. The display kernel needs no scene.
+///
+/// # Panics
+/// If the buffers are smaller than the work, or `set` is not one of [`InstructionSet::available`].
+pub fn dispatch(
+    set: InstructionSet,
+    entry: EntryPoint,
+    scene: Option<&CpuScene>,
+    work: &Work,
+    buffers: Buffers<'_>,
+) {
+    assert!(set.supported(), "this processor lacks {}", set.name());
+    let kernel = entry_point(set, entry).expect("this build has kernels for every level it lists");
+    let first = work.first_row.checked_sub(work.band_row).expect("the work begins inside its band");
+    let pixels = work.width as usize * (first as usize + work.rows as usize);
+    let large_enough = match entry {
+        EntryPoint::Render => buffers.film.len() >= pixels,
+        EntryPoint::Display => buffers.film.len() >= pixels && buffers.output.len() >= pixels,
+        EntryPoint::Probe => {
+            let count = work.count as usize;
+            buffers.input.len() >= 3 * count && buffers.output.len() >= 12 * count
+        }
+    };
+    assert!(large_enough, "the buffers are smaller than the work");
+
+    assert!(scene.is_some() || entry == EntryPoint::Display, "only the display kernel does without a scene");
+    let block = scene.map(CpuScene::block).unwrap_or_default();
+    let mut globals = [0u64; 16];
+    globals[SCENE_WORD] = block.as_ptr() as u64;
+    globals[WORK_WORD] = std::ptr::from_ref(work) as u64;
+    for (word, address, count) in [
+        (FILM_WORD, buffers.film.as_mut_ptr() as u64, buffers.film.len()),
+        (OUTPUT_WORD, buffers.output.as_mut_ptr() as u64, buffers.output.len()),
+        (INPUT_WORD, buffers.input.as_ptr() as u64, buffers.input.len()),
+    ] {
+        globals[word] = address;
+        globals[word + 1] = count as u64;
+    }
+
+    let groups = entry.groups(work);
+    // SAFETY: `globals` and `block` have the layout that slangc's reflection gives; every address in them is of a live
+    // slice, exclusively borrowed where the kernel writes; the work stays inside the slices (asserted above) and every
+    // index in the scene stays inside its buffer (checked by `CpuScene::new`).
+    unsafe { kernel(&groups, globals.as_ptr()) };
+}

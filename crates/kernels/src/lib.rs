@@ -1,0 +1,48 @@
+//! The kernels of raggio: SPIR-V for Vulkan, machine code for the CPU, and the structures both read.
+//!
+//! Everything that runs per ray is written in Slang, in `kernels/`; this crate's build script compiles it.
+
+pub mod cpu;
+mod layout;
+
+pub use layout::*;
+
+/// The SPIR-V module with all entry points (Vulkan 1.2, scalar block layout).
+pub const SPIRV: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/kernels.spv"));
+
+/// Threads in a workgroup of the image kernels, in x and y.
+pub const IMAGE_GROUP: u32 = 8;
+/// Threads in a workgroup of the probe kernel.
+pub const PROBE_GROUP: u32 = 64;
+
+/// The kernels there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EntryPoint {
+    /// Adds samples to the film.
+    Render,
+    /// Turns the film into displayable pixels.
+    Display,
+    /// Evaluates a single function for many arguments.
+    Probe,
+}
+
+impl EntryPoint {
+    /// Its name in the SPIR-V module.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Render => "render",
+            Self::Display => "display",
+            Self::Probe => "probe",
+        }
+    }
+
+    /// Workgroups that cover the work, in x, y, z.
+    pub fn groups(self, work: &Work) -> [u32; 3] {
+        match self {
+            Self::Render | Self::Display => {
+                [work.width.div_ceil(IMAGE_GROUP), work.rows.div_ceil(IMAGE_GROUP), 1]
+            }
+            Self::Probe => [work.count.div_ceil(PROBE_GROUP), 1, 1],
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! Where samples add up, on the host.
+
+use raggio_kernels::{FilmPixel, FixedSum};
+
+/// Sum and count of the samples of each pixel.
+///
+/// Sums are exact (see `kernels/film.slang`): films of different sample ranges merge to the very film that one render
+/// of all samples gives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    width: u32,
+    height: u32,
+    pixels: Vec<FilmPixel>,
+}
+
+/// Linear radiance, row by row from the top left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// In pixels.
+    pub width: u32,
+    /// In pixels.
+    pub height: u32,
+    /// Red, green, blue; Rec. 709 primaries.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+/// Two films of different sizes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("films of {0}x{1} and {2}x{3} pixels cannot be merged")]
+pub struct SizeMismatch(u32, u32, u32, u32);
+
+/// Memory that the film of an image takes.
+pub fn film_bytes(width: u32, height: u32) -> u64 {
+    u64::from(width) * u64::from(height) * size_of::<FilmPixel>() as u64
+}
+
+impl Film {
+    /// Without samples.
+    pub fn new(width: u32, height: u32) -> Self {
+        Self::from_pixels(width, height, vec![FilmPixel::default(); width as usize * height as usize])
+    }
+
+    /// From what a device has accumulated.
+    ///
+    /// # Panics
+    /// If there are not `width` times `height` pixels.
+    pub fn from_pixels(width: u32, height: u32, pixels: Vec<FilmPixel>) -> Self {
+        assert_eq!(pixels.len(), width as usize * height as usize);
+        Self { width, height, pixels }
+    }
+
+    /// Width in pixels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Row by row from the top left.
+    pub fn pixels(&self) -> &[FilmPixel] {
+        &self.pixels
+    }
+
+    pub(crate) fn pixels_mut(&mut self) -> &mut [FilmPixel] {
+        &mut self.pixels
+    }
+
+    /// Adds the samples of `other`, which must be other samples of the same picture.
+    pub fn merge(&mut self, other: &Film) -> Result<(), SizeMismatch> {
+        if (self.width, self.height) != (other.width, other.height) {
+            return Err(SizeMismatch(self.width, self.height, other.width, other.height));
+        }
+        for (into, from) in self.pixels.iter_mut().zip(&other.pixels) {
+            into.red = sum(into.red, from.red);
+            into.green = sum(into.green, from.green);
+            into.blue = sum(into.blue, from.blue);
+            into.samples += from.samples;
+            into.rejected += from.rejected;
+            into.rays = into.rays.wrapping_add(from.rays);
+        }
+        Ok(())
+    }
+
+    /// Mean radiance of each pixel; black where there is no sample.
+    pub fn mean(&self) -> Image {
+        let mean = |sum: FixedSum, samples: u32| {
+            if samples == 0 { 0.0 } else { (value(sum) / f64::from(samples)) as f32 }
+        };
+        let pixels = self
+            .pixels
+            .iter()
+            .map(|p| [p.red, p.green, p.blue].map(|sum| mean(sum, p.samples)))
+            .collect();
+        Image { width: self.width, height: self.height, pixels }
+    }
+
+    /// Samples in all pixels together.
+    pub fn samples(&self) -> u64 {
+        self.pixels.iter().map(|p| u64::from(p.samples)).sum()
+    }
+
+    /// Samples that were left out because they had no value that can be added up.
+    pub fn rejected(&self) -> u64 {
+        self.pixels.iter().map(|p| u64::from(p.rejected)).sum()
+    }
+
+    /// Rays traced; exact as long as each pixel took fewer than 2^32.
+    pub fn rays(&self) -> u64 {
+        self.pixels.iter().map(|p| u64::from(p.rays)).sum()
+    }
+}
+
+/// As a whole number of 2^-40.
+fn whole(sum: FixedSum) -> i128 {
+    let bits = u128::from(sum.low) | u128::from(sum.middle) << 32 | u128::from(sum.high) << 64;
+    // 96 bits in two's complement, widened to 128.
+    ((bits << 32) as i128) >> 32
+}
+
+fn value(sum: FixedSum) -> f64 {
+    whole(sum) as f64 / (1u64 << 40) as f64
+}
+
+fn sum(a: FixedSum, b: FixedSum) -> FixedSum {
+    let total = (whole(a) + whole(b)) as u128;
+    FixedSum { low: total as u32, middle: (total >> 32) as u32, high: (total >> 64) as u32 }
+}

@@ -1,0 +1,164 @@
+//! Pictures on disk, written whole or not at all.
+
+use std::ffi::OsStr;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use exr::prelude::{SpecificChannels, WritableImage};
+use image::ImageEncoder;
+use image::codecs::png::PngEncoder;
+use raggio_kernels::cpu::{Buffers, InstructionSet, dispatch};
+use raggio_kernels::{EntryPoint, ToneMapper, Work};
+
+use crate::film::Film;
+
+/// How radiance becomes the colours of a PNG.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Display {
+    /// Stops: each doubles the brightness.
+    pub exposure: f32,
+    /// The curve.
+    pub tone_mapper: ToneMapper,
+}
+
+impl Default for Display {
+    fn default() -> Self {
+        Self { exposure: 0.0, tone_mapper: ToneMapper::Neutral }
+    }
+}
+
+/// A file to be written.
+#[derive(Clone, Debug)]
+pub struct ImageFile {
+    path: PathBuf,
+    format: Format,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Format {
+    /// Tone-mapped, 8-bit sRGB.
+    Png,
+    /// Linear, unclamped, 32-bit floating point.
+    Exr,
+}
+
+/// Why a picture cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// An ending that names no format.
+    #[error("{}: the ending must be .png (for looking at) or .exr (linear radiance)", path.display())]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The folder or the file cannot be written to.
+    #[error("cannot write {}: {source}", path.display())]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+}
+
+impl ImageFile {
+    /// Checks, before any work is spent, that `path` names a known format in a folder that can be written to.
+    pub fn new(path: &Path) -> Result<Self, OutputError> {
+        let ending = path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
+        let format = match ending.as_str() {
+            "png" => Format::Png,
+            "exr" => Format::Exr,
+            _ => return Err(OutputError::UnknownFormat { path: path.into() }),
+        };
+        let file = Self { path: path.into(), format };
+        if path.is_dir() {
+            return Err(file.unwritable(io::Error::from(io::ErrorKind::IsADirectory)));
+        }
+        temporary_beside(path).map_err(|e| file.unwritable(e))?;
+        Ok(file)
+    }
+
+    /// Where it will be.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes `film`, whole or not at all.
+    pub fn write(&self, film: &Film, display: Display) -> Result<(), OutputError> {
+        let mut bytes = io::Cursor::new(Vec::new());
+        match self.format {
+            Format::Png => write_png(film, display, &mut bytes),
+            Format::Exr => write_exr(film, &mut bytes),
+        }
+        .and_then(|()| write_whole(&self.path, bytes.get_ref()))
+        .map_err(|e| self.unwritable(e))
+    }
+
+    fn unwritable(&self, source: io::Error) -> OutputError {
+        OutputError::Unwritable { path: self.path.clone(), source }
+    }
+}
+
+/// Writes `bytes` to `path`: under a temporary name first, renamed when all of it has reached the disk.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut temporary = temporary_beside(path)?;
+    temporary.write_all(bytes)?;
+    temporary.as_file().sync_all()?;
+    temporary.persist(path).map_err(|e| e.error)?;
+    Ok(())
+}
+
+/// A file in the same folder, hidden, that vanishes unless it is kept.
+fn temporary_beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let folder = match path.parent() {
+        Some(parent) if parent != Path::new("") => parent,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".raggio-");
+    // As any new file: the temporary one would be for its owner alone.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
+}
+
+fn write_png(film: &Film, display: Display, to: &mut impl Write) -> io::Result<()> {
+    // The fourth byte, opacity, says nothing here.
+    let rgb = |pixel: u32| pixel.to_le_bytes().into_iter().take(3);
+    let pixels: Vec<u8> = displayed(film, display).into_iter().flat_map(rgb).collect();
+    PngEncoder::new(to)
+        .write_image(&pixels, film.width(), film.height(), image::ExtendedColorType::Rgb8)
+        .map_err(io::Error::other)
+}
+
+/// The display kernel over the whole film.
+fn displayed(film: &Film, display: Display) -> Vec<u32> {
+    let set = InstructionSet::best().unwrap_or(InstructionSet::Baseline);
+    let mut pixels = film.pixels().to_vec();
+    let mut output = vec![0; pixels.len()];
+    let work = Work {
+        width: film.width(),
+        height: film.height(),
+        rows: film.height(),
+        exposure: display.exposure,
+        tone_mapper: display.tone_mapper as u32,
+        ..Work::default()
+    };
+    let buffers = Buffers { film: &mut pixels, output: &mut output, ..Buffers::default() };
+    dispatch(set, EntryPoint::Display, None, &work, buffers);
+    output
+}
+
+fn write_exr(film: &Film, to: &mut (impl Write + io::Seek)) -> io::Result<()> {
+    let mean = film.mean();
+    let width = mean.width as usize;
+    let channels = SpecificChannels::rgb(|position: exr::prelude::Vec2<usize>| {
+        let [r, g, b] = mean.pixels[position.y() * width + position.x()];
+        (r, g, b)
+    });
+    let mut image = exr::prelude::Image::from_channels((width, mean.height as usize), channels);
+    let software = concat!("raggio ", env!("CARGO_PKG_VERSION"));
+    image.layer_data.attributes.software_name = Some(software.into());
+    image.layer_data.encoding.compression = exr::prelude::Compression::ZIP16;
+    image.write().to_buffered(to).map_err(io::Error::other)
+}

@@ -1,0 +1,26 @@
+//! From a scene to a picture, on any device.
+//!
+//! `Scene -> DeviceScene -> kernels -> Film -> file`: [`DeviceScene`] is the scene as flat buffers, a [`Device`] makes it
+//! resident and adds samples to a [`Film`], [`Renderer`] does so in portions that leave the machine usable, and
+//! [`ImageFile`] writes the result. Nothing above [`Device`] knows whether it is a CPU or a GPU.
+
+mod bounds;
+mod cpu;
+mod device;
+mod device_scene;
+mod film;
+mod hierarchy;
+mod image_file;
+mod media;
+mod renderer;
+mod vulkan;
+
+pub use cpu::{CpuDevice, CpuOptions, total_memory_bytes};
+pub use device::{Answer, Device, DeviceChoice, DeviceError, DeviceInfo, Question, Session, devices, open};
+pub use device_scene::{DeviceScene, TranslationError};
+pub use film::{Film, Image, SizeMismatch, film_bytes};
+pub use image_file::{Display, ImageFile, OutputError, write_whole};
+pub use raggio_kernels::cpu::InstructionSet;
+pub use raggio_kernels::{MAX_NESTED_MEDIA, Probe, SamplerKind, ShapeKind, ToneMapper};
+pub use renderer::{Progress, Renderer};
+pub use vulkan::VulkanDevice;

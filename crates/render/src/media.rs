@@ -1,0 +1,55 @@
+//! What the camera is inside of.
+
+use glam::DVec3;
+use raggio_kernels::MAX_NESTED_MEDIA;
+use raggio_scene::{Geometry, Scene};
+
+use crate::device_scene::{TranslationError, rotation};
+
+/// Materials of the dielectric bodies that contain the camera, outermost first: in the order in which one would enter
+/// them on the way to the camera from behind it.
+pub fn media_around(scene: &Scene) -> Result<Vec<u32>, TranslationError> {
+    let eye = scene.camera.position.as_dvec3();
+    let backward = (eye - scene.camera.look_at.as_dvec3()).normalize_or_zero();
+    let mut bodies: Vec<(f64, u32)> = scene
+        .shapes
+        .iter()
+        .filter(|shape| scene.materials[shape.material].refractive_index.is_some())
+        .filter_map(|shape| Some((way_out(&shape.geometry, eye, backward)?, shape.material as u32)))
+        .collect();
+    if bodies.len() > MAX_NESTED_MEDIA as usize {
+        return Err(TranslationError::TooManyMedia { found: bodies.len(), limit: MAX_NESTED_MEDIA as usize });
+    }
+    bodies.sort_by(|a, b| b.0.total_cmp(&a.0));
+    Ok(bodies.into_iter().map(|(_, material)| material).collect())
+}
+
+/// Distance from `point` along `direction` to where one leaves the body; `None` if `point` is outside.
+fn way_out(geometry: &Geometry, point: DVec3, direction: DVec3) -> Option<f64> {
+    match *geometry {
+        Geometry::Sphere { center, radius } => {
+            let f = point - center.as_dvec3();
+            let room = f64::from(radius).powi(2) - f.length_squared();
+            let b = -f.dot(direction);
+            (room > 0.0).then(|| b + (b * b + room).sqrt())
+        }
+        // The half-space behind its normal.
+        Geometry::Plane { point: on_plane, normal } => {
+            let n = normal.as_dvec3();
+            let below = n.dot(on_plane.as_dvec3() - point);
+            let rise = n.dot(direction);
+            (below > 0.0).then(|| if rise > 0.0 { below / rise } else { f64::INFINITY })
+        }
+        // A sheet has no inside.
+        Geometry::Rectangle { .. } => None,
+        Geometry::Box { center, size, rotation_degrees } => {
+            let box_from_world = rotation(rotation_degrees).transpose();
+            let local = box_from_world * (point - center.as_dvec3());
+            let d = box_from_world * direction;
+            let half = size.as_dvec3() * 0.5;
+            let out = |x: f64, d: f64, h: f64| if d == 0.0 { f64::INFINITY } else { (h.copysign(d) - x) / d };
+            let nearest = out(local.x, d.x, half.x).min(out(local.y, d.y, half.y)).min(out(local.z, d.z, half.z));
+            local.abs().cmplt(half).all().then_some(nearest)
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! Shapes: one geometry each, a material that exists, right angles where they are needed.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use super::{dvec3, vec3};
+use crate::fault::{Fault, Step, place, steps, subject};
+use crate::file::{BoxFile, Materials, PlaneFile, RectangleFile, ShapeFile, SphereFile};
+use crate::names;
+use crate::number::SMALLEST;
+use crate::scene::{Geometry, Shape};
+
+/// Largest cosine of the angle between a rectangle's edges; files round their numbers.
+const PERPENDICULAR: f64 = 1e-4;
+
+/// `index` is the shape's place in the file, `indices` each material's by its name.
+pub(super) fn shape(
+    index: usize,
+    file: &ShapeFile,
+    indices: &HashMap<&str, usize>,
+    materials: &Materials,
+) -> Result<Shape, Fault> {
+    let material = indices.get(file.material.as_str()).copied();
+    let material = material.ok_or_else(|| unknown_material(index, &file.material, materials))?;
+    refuse_mesh(index, file)?;
+    refuse_two(index, file)?;
+    Ok(Shape {
+        material,
+        geometry: geometry(index, file)?,
+    })
+}
+
+fn unknown_material(index: usize, name: &str, materials: &Materials) -> Fault {
+    let known: Vec<&str> = materials.0.iter().map(|(name, _)| name.as_str()).collect();
+    let hint = if known.is_empty() {
+        format!(
+            "the scene has no materials, so add [materials.{}]",
+            names::key(name)
+        )
+    } else {
+        names::hint(name, &known)
+    };
+    let message = format!(
+        "unknown material {} in shape {}: {hint}",
+        names::quoted(name),
+        index + 1
+    );
+    Fault::value(steps!["shapes", index, "material"], message)
+}
+
+fn refuse_mesh(index: usize, file: &ShapeFile) -> Result<(), Fault> {
+    if file.mesh.is_none() {
+        return Ok(());
+    }
+    let message = "triangle meshes are not in this version of raggio: use `sphere`, `plane`, \
+                   `rectangle` or `box`";
+    Err(Fault::key(steps!["shapes", index, "mesh"], message))
+}
+
+fn refuse_two(index: usize, file: &ShapeFile) -> Result<(), Fault> {
+    let given = [
+        ("sphere", file.sphere.is_some()),
+        ("plane", file.plane.is_some()),
+        ("rectangle", file.rectangle.is_some()),
+        ("box", file.cuboid.is_some()),
+    ];
+    let mut given = given
+        .iter()
+        .filter(|(_, is_given)| *is_given)
+        .map(|(key, _)| *key);
+    let (Some(first), Some(second)) = (given.next(), given.next()) else {
+        return Ok(());
+    };
+    let message = format!(
+        "shape {} has both `{first}` and `{second}`: write a `[[shapes]]` for each",
+        index + 1
+    );
+    Err(Fault::key(steps!["shapes", index, second], message))
+}
+
+fn geometry(index: usize, file: &ShapeFile) -> Result<Geometry, Fault> {
+    let at = |key: &str| steps!["shapes", index, key];
+    if let Some(sphere) = &file.sphere {
+        Ok(self::sphere(sphere))
+    } else if let Some(plane) = &file.plane {
+        self::plane(plane, at("plane"))
+    } else if let Some(rectangle) = &file.rectangle {
+        self::rectangle(rectangle, at("rectangle"))
+    } else if let Some(cuboid) = &file.cuboid {
+        Ok(self::cuboid(cuboid))
+    } else {
+        let message = format!(
+            "shape {} has no geometry: give it `sphere`, `plane`, `rectangle` or `box`",
+            index + 1
+        );
+        Err(Fault::value(steps!["shapes", index], message))
+    }
+}
+
+fn sphere(file: &SphereFile) -> Geometry {
+    Geometry::Sphere {
+        center: vec3(file.center),
+        radius: file.radius.0 as f32,
+    }
+}
+
+fn plane(file: &PlaneFile, at: Vec<Step>) -> Result<Geometry, Fault> {
+    let normal = not_zero(dvec3(file.normal), &at, "normal")?;
+    Ok(Geometry::Plane {
+        point: vec3(file.point),
+        normal: normal.normalize().as_vec3(),
+    })
+}
+
+fn rectangle(file: &RectangleFile, at: Vec<Step>) -> Result<Geometry, Fault> {
+    let edge_u = not_zero(dvec3(file.edge_u), &at, "edge_u")?;
+    let edge_v = not_zero(dvec3(file.edge_v), &at, "edge_v")?;
+    let cosine = edge_u.normalize().dot(edge_v.normalize());
+    if cosine.abs() > PERPENDICULAR {
+        let message = not_perpendicular(edge_u, edge_v, &at);
+        return Err(Fault::value(below(&at, "edge_v"), message));
+    }
+    Ok(Geometry::Rectangle {
+        corner: vec3(file.corner),
+        edge_u: edge_u.as_vec3(),
+        edge_v: edge_v.as_vec3(),
+    })
+}
+
+fn cuboid(file: &BoxFile) -> Geometry {
+    Geometry::Box {
+        center: vec3(file.center),
+        size: vec3(file.size),
+        rotation_degrees: vec3(file.rotation_degrees),
+    }
+}
+
+fn below(at: &[Step], key: &str) -> Vec<Step> {
+    [at, &[Step::from(key)]].concat()
+}
+
+/// The vector itself, unless 32-bit arithmetic could not tell it from zero.
+fn not_zero(vector: DVec3, at: &[Step], key: &str) -> Result<DVec3, Fault> {
+    if vector.length() >= SMALLEST {
+        return Ok(vector);
+    }
+    let at = below(at, key);
+    let wrong = if vector == DVec3::ZERO {
+        "must not be zero: it gives a direction"
+    } else {
+        "is too short: it must be at least 1e-15 long"
+    };
+    let message = format!("{} {wrong}", subject(&at));
+    Err(Fault::value(at, message))
+}
+
+/// Says the angle, and the edge nearest to the given one that would be right.
+fn not_perpendicular(edge_u: DVec3, edge_v: DVec3, at: &[Step]) -> String {
+    let place = place(at);
+    let degrees = edge_u.angle_between(edge_v).to_degrees();
+    let angle = tidy(degrees);
+    let right = edge_v - edge_u * (edge_u.dot(edge_v) / edge_u.length_squared());
+    // Edges all but parallel leave only rounding errors to suggest.
+    let advice = if right.length() > 1e-6 * edge_v.length() {
+        let [x, y, z] = right.to_array().map(tidy);
+        format!("`edge_v = [{x}, {y}, {z}]` would be perpendicular")
+    } else {
+        "point `edge_v` another way".to_string()
+    };
+    format!("`edge_u` and `edge_v` {place} meet at {angle} degrees, not at 90: {advice}")
+}
+
+/// Rounded to six digits.
+fn tidy(x: f64) -> f64 {
+    // Adding zero turns -0 into 0.
+    format!("{x:.5e}").parse().unwrap_or(x) + 0.0
+}

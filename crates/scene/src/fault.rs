@@ -1,0 +1,214 @@
+//! A fault: what is wrong at which path of the file, before it is known on which line that is.
+
+use std::fmt::{self, Display};
+
+use crate::names;
+
+/// One step from a table or list to what it holds.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Step {
+    Key(String),
+    Index(usize),
+}
+
+impl From<&str> for Step {
+    fn from(key: &str) -> Self {
+        Self::Key(key.to_string())
+    }
+}
+
+impl From<usize> for Step {
+    fn from(index: usize) -> Self {
+        Self::Index(index)
+    }
+}
+
+/// `steps!["shapes", 3, "sphere"]`
+macro_rules! steps {
+    ($($step:expr),*) => { vec![$($crate::fault::Step::from($step)),*] };
+}
+pub(crate) use steps;
+
+#[derive(Debug)]
+pub(crate) struct Fault {
+    /// From the top of the file to what is wrong; kept innermost first while serde unwinds.
+    steps_inwards: Vec<Step>,
+    pub(crate) kind: Kind,
+}
+
+#[derive(Debug)]
+pub(crate) enum Kind {
+    UnknownKey {
+        key: String,
+        known: &'static [&'static str],
+    },
+    MissingKey(&'static str),
+    /// `found` is absent where the value's own text says it best.
+    WrongType {
+        expected: String,
+        found: Option<&'static str>,
+    },
+    /// A list of so many numbers was expected, another number of them found.
+    WrongLength {
+        expected: usize,
+        found: usize,
+    },
+    /// "must be ...", and what may help.
+    WrongValue {
+        must: String,
+        advice: Option<String>,
+    },
+    /// A whole sentence about the value.
+    Value(String),
+    /// A whole sentence about the key.
+    Key(String),
+}
+
+impl Fault {
+    pub(crate) fn new(kind: Kind) -> Self {
+        Self {
+            steps_inwards: Vec::new(),
+            kind,
+        }
+    }
+
+    /// A whole sentence about the value at `path`.
+    pub(crate) fn value(path: Vec<Step>, sentence: impl Into<String>) -> Self {
+        Self::new(Kind::Value(sentence.into())).below(path)
+    }
+
+    /// A whole sentence about the key at `path`.
+    pub(crate) fn key(path: Vec<Step>, sentence: impl Into<String>) -> Self {
+        Self::new(Kind::Key(sentence.into())).below(path)
+    }
+
+    /// The same fault, seen from the table or list that reaches it by `step`.
+    pub(crate) fn inside(mut self, step: Step) -> Self {
+        self.steps_inwards.push(step);
+        self
+    }
+
+    fn below(mut self, path: Vec<Step>) -> Self {
+        self.steps_inwards.extend(path.into_iter().rev());
+        self
+    }
+
+    /// From the top of the file.
+    pub(crate) fn path(&self) -> Vec<Step> {
+        self.steps_inwards.iter().rev().cloned().collect()
+    }
+
+    /// The sentence for the user; `text` is how the file writes the value in question.
+    pub(crate) fn sentence(&self, text: &str) -> String {
+        let path = self.path();
+        match &self.kind {
+            Kind::UnknownKey { key, known } => unknown_key(&path, key, known),
+            Kind::MissingKey(key) => missing_key(&path, key),
+            Kind::WrongType { expected, found } => {
+                let found = found.map_or_else(|| names::quoted(text), str::to_string);
+                format!("{} must be {expected}, not {found}", subject(&path))
+            }
+            Kind::WrongLength { expected, found } => {
+                format!(
+                    "{} must be a list of {expected} numbers, not of {found}",
+                    subject(&path)
+                )
+            }
+            Kind::WrongValue { must, advice } => {
+                let advice = advice
+                    .as_ref()
+                    .map_or(String::new(), |it| format!(": {it}"));
+                let text = names::quoted(text);
+                format!("{} {must}, not {text}{advice}", subject(&path))
+            }
+            Kind::Value(sentence) | Kind::Key(sentence) => sentence.clone(),
+        }
+    }
+}
+
+fn unknown_key(path: &[Step], key: &str, known: &[&str]) -> String {
+    let hint = names::hint(key, known);
+    format!("unknown key {} {}: {hint}", names::quoted(key), place(path))
+}
+
+fn missing_key(path: &[Step], key: &str) -> String {
+    match (path, key) {
+        ([], "version") => {
+            "`version` is missing: a scene file starts with `version = 1`".to_string()
+        }
+        ([], "camera") => "[camera] is missing: a scene needs one, with `position`, `look_at` and \
+                           `vertical_fov_degrees`"
+            .to_string(),
+        _ => format!("`{key}` is missing {}", place(path)),
+    }
+}
+
+/// The table at `path`, with its preposition.
+pub(crate) fn place(path: &[Step]) -> String {
+    match path {
+        [] => "at the top level of the scene".to_string(),
+        [Step::Key(shapes), Step::Index(index)] if shapes == "shapes" => {
+            format!("in shape {}", index + 1)
+        }
+        [Step::Key(shapes), Step::Index(index), Step::Key(key)] if shapes == "shapes" => {
+            format!("in {} of shape {}", names::quoted(key), index + 1)
+        }
+        _ => format!("in [{}]", dotted(path)),
+    }
+}
+
+fn dotted(path: &[Step]) -> String {
+    let steps = path.iter().map(|step| match step {
+        Step::Key(key) => names::key(key),
+        Step::Index(index) => (index + 1).to_string(),
+    });
+    steps.collect::<Vec<_>>().join(".")
+}
+
+/// The value at `path`, as the subject of a sentence.
+pub(crate) fn subject(path: &[Step]) -> String {
+    match path {
+        [] => "the scene".to_string(),
+        [Step::Key(key)] => names::quoted(key),
+        [Step::Key(shapes), Step::Index(index)] if shapes == "shapes" => {
+            format!("shape {}", index + 1)
+        }
+        [head @ .., Step::Key(key)] => format!("{} {}", names::quoted(key), place(head)),
+        [head @ .., Step::Index(index)] => {
+            format!("component {} of {}", index + 1, subject(head))
+        }
+    }
+}
+
+impl Display for Fault {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.sentence("this"))
+    }
+}
+
+impl std::error::Error for Fault {}
+
+impl serde::de::Error for Fault {
+    /// Takes what `number::Rule` writes, "must ...: advice".
+    fn custom<T: Display>(message: T) -> Self {
+        let message = message.to_string();
+        let (must, advice) = match message.split_once(": ") {
+            Some((must, advice)) => (must.to_string(), Some(advice.to_string())),
+            None => (message, None),
+        };
+        Self::new(Kind::WrongValue { must, advice })
+    }
+
+    fn unknown_field(key: &str, known: &'static [&'static str]) -> Self {
+        let key = key.to_string();
+        Self::new(Kind::UnknownKey { key, known })
+    }
+
+    fn missing_field(key: &'static str) -> Self {
+        Self::new(Kind::MissingKey(key))
+    }
+
+    fn unknown_variant(_: &str, known: &'static [&'static str]) -> Self {
+        Self::custom(format!("must be {}", names::strings(known)))
+    }
+}

@@ -1,0 +1,343 @@
+//! Types that mirror the scene file: serde fills them, and the schema is generated from them.
+//!
+//! Their doc comments are the descriptions in the schema, so they speak to whoever writes a scene.
+
+use std::fmt;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::de::{MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+
+use crate::number::{
+    Coordinate, FieldOfView, Fraction, NonNegative, Positive, Reflectance, RefractiveIndex,
+    Version, Whole,
+};
+
+/// A point or a direction: x, y and z.
+pub(crate) type Point = [Coordinate; 3];
+/// Linear red, green and blue, 0 or more.
+pub(crate) type Radiance = [NonNegative; 3];
+
+/// A scene for raggio, a progressive path tracer. Lengths are in any one unit, angles in degrees,
+/// colours in linear red, green and blue; y points up unless the camera says otherwise.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "raggio scene")]
+pub(crate) struct SceneFile {
+    /// Version of the format.
+    #[allow(dead_code, reason = "reading it is checking it")]
+    pub version: Version,
+    /// Size and quality of the picture; the command line overrides it.
+    #[serde(default)]
+    pub render: RenderFile,
+    /// Where the picture is taken from.
+    pub camera: CameraFile,
+    /// Light from outside; absent: black.
+    pub environment: Option<EnvironmentFile>,
+    /// Materials by name.
+    #[serde(default)]
+    pub materials: Materials,
+    /// What there is to see, in any order.
+    #[serde(default)]
+    pub shapes: Vec<ShapeFile>,
+}
+
+/// Size and quality of the picture; the command line overrides it.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+#[schemars(rename = "Render")]
+pub(crate) struct RenderFile {
+    /// Pixels across.
+    pub width: Whole<1, 65536>,
+    /// Pixels down.
+    pub height: Whole<1, 65536>,
+    /// Samples of each pixel.
+    pub samples: Whole<1, 2147483647>,
+    /// Most rays along one path, the camera's ray included; a shadow ray counts as the ray it replaces.
+    pub max_depth: Whole<1, 65535>,
+    /// Chooses the random numbers: the same seed gives the same picture.
+    pub seed: Whole<0, 4294967295>,
+    /// How samples are spread over a pixel.
+    pub filter: FilterFile,
+    /// Whether rays start slightly off the surface they leave. Without it surfaces shadow themselves in rings; only for teaching.
+    pub surface_offset: bool,
+}
+
+/// How samples are spread over a pixel.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(rename = "Filter")]
+pub(crate) enum FilterFile {
+    /// Evenly over the pixel's area.
+    Box,
+    /// All through the pixel's centre, which shows aliasing.
+    Point,
+}
+
+/// Where the picture is taken from.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Camera")]
+pub(crate) struct CameraFile {
+    /// Where the camera stands.
+    pub position: Point,
+    /// The point in the middle of the picture.
+    pub look_at: Point,
+    /// The direction that points up in the picture; neither zero nor parallel to the viewing direction.
+    #[serde(default = "y_axis")]
+    pub up: Point,
+    /// Angle between the picture's top and bottom edges, greater than 0 and less than 180.
+    pub vertical_fov_degrees: FieldOfView,
+    /// Radius of the lens: 0 keeps everything sharp, more blurs what is out of focus.
+    #[serde(default = "zero")]
+    pub aperture_radius: NonNegative,
+    /// Distance of the plane in focus; default: the distance from `position` to `look_at`.
+    pub focus_distance: Option<Positive>,
+}
+
+/// Light from outside: `color`, or `horizon` and `zenith`, or `image`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("oneOf" = [
+    { "required": ["color"] }, { "required": ["horizon", "zenith"] }, { "required": ["image"] }
+]), extend("dependentRequired" = { "horizon": ["zenith"], "zenith": ["horizon"] }))]
+#[schemars(rename = "Environment")]
+pub(crate) struct EnvironmentFile {
+    /// The same radiance from everywhere.
+    pub color: Option<Radiance>,
+    /// Radiance from straight below; needs `zenith`. A ray of unit direction D sees mix(horizon, zenith, 0.5 (D.y + 1)).
+    pub horizon: Option<Radiance>,
+    /// Radiance from straight above; needs `horizon`.
+    pub zenith: Option<Radiance>,
+    /// Latitude-longitude image, its path relative to the scene file; its centre is seen along -Z, its right along +X, its top along +Y. Not in this version of raggio.
+    pub image: Option<String>,
+    /// Turns the image about the y axis. Not in this version of raggio.
+    pub rotation_degrees: Option<Coordinate>,
+    /// Multiplies the image. Not in this version of raggio.
+    pub intensity: Option<NonNegative>,
+}
+
+/// How a surface reflects, transmits and emits light.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Material")]
+pub(crate) struct MaterialFile {
+    /// Part of the light that is reflected, or transmitted; default [0.8, 0.8, 0.8], but [0, 0, 0] when `emission_strength` is greater than 0.
+    pub color: Option<[Reflectance; 3]>,
+    /// Colour of the emitted light.
+    #[serde(default = "white")]
+    pub emission_color: Radiance,
+    /// Multiplied by `emission_color` it is the emitted radiance.
+    #[serde(default = "zero")]
+    pub emission_strength: NonNegative,
+    /// From 0, diffuse, to 1, a mirror; a dielectric ignores it.
+    #[serde(default = "diffuse")]
+    pub smoothness: Fraction,
+    /// Makes the material a dielectric, such as glass (1.5) or water (1.33); absent: opaque.
+    pub refractive_index: Option<RefractiveIndex>,
+    /// How often a dielectric reflects: "fresnel" (default), or one probability for every angle.
+    pub reflection: Option<ReflectionFile>,
+    /// Of overlapping dielectrics the one of higher priority wins; of equal ones the one entered last. Default 0.
+    pub priority: Option<Whole<-2147483648, 2147483647>>,
+}
+
+/// "fresnel", or a probability.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "must be `\"fresnel\"` or a probability between 0 and 1"
+)]
+#[schemars(rename = "Reflection")]
+pub(crate) enum ReflectionFile {
+    /// By Fresnel's equations.
+    Named(ReflectionName),
+    /// The same at every angle.
+    Probability(Fraction),
+}
+
+/// The reflections that have a name.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum ReflectionName {
+    /// By Fresnel's equations.
+    Fresnel,
+}
+
+/// A material's name and one geometry.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("oneOf" = [
+    { "required": ["sphere"] }, { "required": ["plane"] }, { "required": ["rectangle"] },
+    { "required": ["box"] }, { "required": ["mesh"] }
+]))]
+#[schemars(rename = "Shape")]
+pub(crate) struct ShapeFile {
+    /// Name of one of the materials.
+    pub material: String,
+    /// A sphere.
+    pub sphere: Option<SphereFile>,
+    /// An endless plane.
+    pub plane: Option<PlaneFile>,
+    /// A rectangle; both sides reflect and emit.
+    pub rectangle: Option<RectangleFile>,
+    /// A box, which may be turned.
+    #[serde(rename = "box")]
+    pub cuboid: Option<BoxFile>,
+    /// Triangles from a file. Not in this version of raggio.
+    pub mesh: Option<MeshFile>,
+}
+
+/// A sphere.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Sphere")]
+pub(crate) struct SphereFile {
+    /// Its centre.
+    pub center: Point,
+    /// Greater than 0.
+    pub radius: Positive,
+}
+
+/// An endless plane.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Plane")]
+pub(crate) struct PlaneFile {
+    /// Any point of it.
+    pub point: Point,
+    /// At a right angle to it; of any length but 0.
+    pub normal: Point,
+}
+
+/// A rectangle; both sides reflect and emit.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Rectangle")]
+pub(crate) struct RectangleFile {
+    /// One of its corners.
+    pub corner: Point,
+    /// From that corner along one side.
+    pub edge_u: Point,
+    /// From that corner along the other side, at a right angle to `edge_u`.
+    pub edge_v: Point,
+}
+
+/// A box, which may be turned.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Box")]
+pub(crate) struct BoxFile {
+    /// Its centre, about which it turns.
+    pub center: Point,
+    /// Lengths of its sides along x, y and z, before it is turned.
+    pub size: [Positive; 3],
+    /// Turns about the fixed x axis first, then y, then z.
+    #[serde(default = "origin")]
+    pub rotation_degrees: Point,
+}
+
+/// Triangles from a glTF, GLB, PLY or OBJ file: p becomes translation + rotation * scale * p. Not in this version of raggio.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[allow(dead_code, reason = "read so that its errors are found, then refused")]
+#[schemars(rename = "Mesh")]
+pub(crate) struct MeshFile {
+    /// Path relative to the scene file.
+    pub file: String,
+    /// Moves it, last.
+    #[serde(default = "origin")]
+    pub translation: Point,
+    /// Turns it about the fixed x axis first, then y, then z.
+    #[serde(default = "origin")]
+    pub rotation_degrees: Point,
+    /// One factor, or one for each of x, y and z; default 1.
+    pub scale: Option<ScaleFile>,
+}
+
+/// One factor, or one for each of x, y and z.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "must be a number or three numbers")]
+#[allow(dead_code, reason = "read so that its errors are found, then refused")]
+#[schemars(rename = "Scale")]
+pub(crate) enum ScaleFile {
+    /// The same along every axis.
+    Uniform(Coordinate),
+    /// Along x, y and z.
+    PerAxis(Point),
+}
+
+/// Materials in the order of the file, with their names.
+#[derive(Debug, Default)]
+pub(crate) struct Materials(pub Vec<(String, MaterialFile)>);
+
+impl<'de> Deserialize<'de> for Materials {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(MaterialsVisitor)
+    }
+}
+
+struct MaterialsVisitor;
+
+impl<'de> Visitor<'de> for MaterialsVisitor {
+    type Value = Materials;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("a table")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Materials, A::Error> {
+        let mut materials = Vec::new();
+        while let Some(entry) = map.next_entry()? {
+            materials.push(entry);
+        }
+        Ok(Materials(materials))
+    }
+}
+
+impl JsonSchema for Materials {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Materials".into()
+    }
+
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        <std::collections::BTreeMap<String, MaterialFile>>::json_schema(generator)
+    }
+}
+
+impl Default for RenderFile {
+    fn default() -> Self {
+        Self {
+            width: Whole(1280),
+            height: Whole(720),
+            samples: Whole(256),
+            max_depth: Whole(10),
+            seed: Whole(0),
+            filter: FilterFile::Box,
+            surface_offset: true,
+        }
+    }
+}
+
+fn origin() -> Point {
+    [Coordinate(0.0); 3]
+}
+
+fn y_axis() -> Point {
+    [Coordinate(0.0), Coordinate(1.0), Coordinate(0.0)]
+}
+
+fn white() -> Radiance {
+    [NonNegative(1.0); 3]
+}
+
+fn zero() -> NonNegative {
+    NonNegative(0.0)
+}
+
+fn diffuse() -> Fraction {
+    Fraction(0.0)
+}

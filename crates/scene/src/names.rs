@@ -1,0 +1,124 @@
+//! Names of the file in messages: quoted safely, and the known one nearest to an unknown one.
+
+/// Longer names are cut in messages and not compared, which also bounds the time of comparing.
+const LONGEST: usize = 60;
+
+/// How alike two names must be, from 0 to 1, for one to be suggested in place of the other.
+const ALIKE: f64 = 0.6;
+
+/// In backquotes, control characters escaped (a message goes to terminals), long text cut.
+pub(crate) fn quoted(text: &str) -> String {
+    format!("`{}`", printable(text))
+}
+
+/// Control characters escaped, long text cut.
+pub(crate) fn printable(text: &str) -> String {
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => escaped(&text[..end]) + "...",
+        None => escaped(text),
+    }
+}
+
+/// Control characters escaped.
+pub(crate) fn escaped(text: &str) -> String {
+    let mut shown = String::new();
+    for character in text.chars() {
+        if character.is_control() || is_invisible(character) {
+            shown.extend(character.escape_unicode());
+        } else {
+            shown.push(character);
+        }
+    }
+    shown
+}
+
+/// Characters that reorder or hide the text around them.
+fn is_invisible(character: char) -> bool {
+    matches!(character, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
+}
+
+/// As TOML writes a key: bare where that is allowed, else in quotes.
+pub(crate) fn key(name: &str) -> String {
+    let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    if !name.is_empty() && name.chars().all(is_bare) {
+        printable(name)
+    } else {
+        format!("\"{}\"", printable(name))
+    }
+}
+
+/// The known name most like `name`, if any is like it at all.
+pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    if name.len() > LONGEST {
+        return None;
+    }
+    known
+        .into_iter()
+        .filter(|candidate| candidate.len() <= LONGEST)
+        .map(|candidate| (likeness(name, candidate), candidate))
+        .filter(|(likeness, _)| *likeness >= ALIKE)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate)
+}
+
+/// 1 for equal names, 0 for names without a letter in common; a part of a name counts as like it.
+fn likeness(a: &str, b: &str) -> f64 {
+    let (a, b) = (a.to_lowercase(), b.to_lowercase());
+    let is_part = a.len().min(b.len()) >= 3 && (a.contains(&b) || b.contains(&a));
+    let floor = if is_part { 0.7 } else { 0.0 };
+    strsim::normalized_damerau_levenshtein(&a, &b).max(floor)
+}
+
+/// "`a`, `b` and `c`", at most eight of them.
+pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>, conjunction: &str) -> String {
+    const SHOWN: usize = 8;
+    let names: Vec<&str> = names.into_iter().collect();
+    let mut shown: Vec<String> = names.iter().take(SHOWN).map(|name| quoted(name)).collect();
+    if names.len() > SHOWN {
+        shown.push(format!("{} more", names.len() - SHOWN));
+    }
+    match shown.as_slice() {
+        [] => String::new(),
+        [only] => only.clone(),
+        [head @ .., last] => format!("{} {conjunction} {last}", head.join(", ")),
+    }
+}
+
+/// The strings that a key may have, as the file writes them.
+pub(crate) fn strings(values: &[&str]) -> String {
+    let strings: Vec<String> = values.iter().map(|value| format!("\"{value}\"")).collect();
+    list(strings.iter().map(String::as_str), "or")
+}
+
+/// What to say after "unknown NAME": the nearest known name, or all of them.
+pub(crate) fn hint(name: &str, known: &[&str]) -> String {
+    match nearest(name, known.iter().copied()) {
+        Some(candidate) => format!("did you mean {}?", quoted(candidate)),
+        None => format!("choose from {}", list(known.iter().copied(), "and")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nearest_forgives_typing_and_abbreviation() {
+        let keys = ["position", "look_at", "up", "vertical_fov_degrees"];
+        assert_eq!(nearest("postion", keys), Some("position"));
+        assert_eq!(nearest("lookAt", keys), Some("look_at"));
+        assert_eq!(nearest("fov", keys), Some("vertical_fov_degrees"));
+        assert_eq!(nearest("banana", keys), None);
+        assert_eq!(nearest(&"u".repeat(1 << 20), keys), None);
+    }
+
+    #[test]
+    fn quoted_escapes_and_cuts() {
+        assert_eq!(quoted("a\u{1b}[2J"), "`a\\u{1b}[2J`");
+        assert_eq!(
+            quoted(&"x".repeat(99)),
+            format!("`{}...`", "x".repeat(LONGEST))
+        );
+        assert_eq!(key("two words"), "\"two words\"");
+    }
+}

@@ -1,0 +1,196 @@
+//! Numbers that check their own range when they are read, and describe it in the schema.
+//!
+//! They stay 64-bit floats until the scene is built, so that too large a number is an error and
+//! not infinity, and one that 32 bits would round to zero is an error where zero is one.
+
+use std::borrow::Cow;
+use std::fmt;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{Deserialize, Serialize};
+
+/// Whatever lies between [`SMALLEST`] and this has a square that is a normal 32-bit float.
+pub(crate) const LARGEST: f64 = 1e15;
+/// See [`LARGEST`].
+pub(crate) const SMALLEST: f64 = 1e-15;
+
+/// What a number must be, and what may help whoever wrote another.
+#[derive(Debug)]
+pub(crate) struct Rule {
+    must: String,
+    advice: &'static str,
+}
+
+impl fmt::Display for Rule {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.advice {
+            "" => formatter.write_str(&self.must),
+            advice => write!(formatter, "{}: {advice}", self.must),
+        }
+    }
+}
+
+/// `Ok` when the condition holds; NaN fails every comparison, so conditions are written positively.
+fn require(condition: bool, must: impl Into<String>, advice: &'static str) -> Result<(), Rule> {
+    let must = must.into();
+    if condition {
+        Ok(())
+    } else {
+        Err(Rule { must, advice })
+    }
+}
+
+fn finite(x: f64) -> Result<(), Rule> {
+    require(x.is_finite(), "must be a finite number", "")?;
+    require(x.abs() <= LARGEST, "must be at most 1e15 in size", "")
+}
+
+fn positive(x: f64) -> Result<(), Rule> {
+    require(x > 0.0, "must be greater than 0", "")?;
+    let in_range = (SMALLEST..=LARGEST).contains(&x);
+    require(in_range, "must be at least 1e-15 and at most 1e15", "")
+}
+
+fn non_negative(x: f64) -> Result<(), Rule> {
+    require(x >= 0.0, "must be 0 or more", "")?;
+    require(x <= LARGEST, "must be at most 1e15", "")
+}
+
+fn fraction(x: f64) -> Result<(), Rule> {
+    require((0.0..=1.0).contains(&x), "must be between 0 and 1", "")
+}
+
+fn reflectance(x: f64) -> Result<(), Rule> {
+    let advice = "a surface reflects no more light than it gets; brightness is `emission_strength`";
+    require((0.0..=1.0).contains(&x), "must be between 0 and 1", advice)
+}
+
+fn refractive_index(x: f64) -> Result<(), Rule> {
+    let advice = "air has 1, water 1.33, glass 1.5, diamond 2.42";
+    require(
+        (0.1..=10.0).contains(&x),
+        "must be between 0.1 and 10",
+        advice,
+    )
+}
+
+fn field_of_view(x: f64) -> Result<(), Rule> {
+    let in_range = x > 0.0 && x < 180.0;
+    require(in_range, "must be greater than 0 and less than 180", "")?;
+    let in_range = (0.001..=179.999).contains(&x);
+    require(in_range, "must be at least 0.001 and at most 179.999", "")
+}
+
+macro_rules! numbers {
+    ($($(#[$doc:meta])* $name:ident, $check:ident, { $($schema:tt)* };)*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+        #[serde(try_from = "f64")]
+        pub(crate) struct $name(pub(crate) f64);
+
+        impl TryFrom<f64> for $name {
+            type Error = Rule;
+
+            fn try_from(x: f64) -> Result<Self, Rule> {
+                $check(x).map(|()| Self(x))
+            }
+        }
+
+        impl From<$name> for f64 {
+            fn from(number: $name) -> f64 {
+                number.0
+            }
+        }
+
+        impl JsonSchema for $name {
+            fn schema_name() -> Cow<'static, str> {
+                stringify!($name).into()
+            }
+
+            fn inline_schema() -> bool {
+                true
+            }
+
+            fn json_schema(_: &mut SchemaGenerator) -> Schema {
+                json_schema!({ "type": "number", $($schema)* })
+            }
+        }
+    )*};
+}
+
+numbers! {
+    /// Of either sign.
+    Coordinate, finite, { "minimum": -1e15, "maximum": 1e15 };
+    /// A length.
+    Positive, positive, { "minimum": 1e-15, "maximum": 1e15 };
+    /// Radiance, or a length that may be 0.
+    NonNegative, non_negative, { "minimum": 0, "maximum": 1e15 };
+    /// From 0 to 1.
+    Fraction, fraction, { "minimum": 0, "maximum": 1 };
+    /// One component of a surface's colour.
+    Reflectance, reflectance, { "minimum": 0, "maximum": 1 };
+    /// Relative to vacuum.
+    RefractiveIndex, refractive_index, { "minimum": 0.1, "maximum": 10 };
+    /// In degrees.
+    FieldOfView, field_of_view, { "minimum": 0.001, "maximum": 179.999 };
+}
+
+/// A whole number from `MIN` to `MAX`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "i128")]
+pub(crate) struct Whole<const MIN: i64, const MAX: i64>(pub(crate) i64);
+
+impl<const MIN: i64, const MAX: i64> TryFrom<i128> for Whole<MIN, MAX> {
+    type Error = Rule;
+
+    fn try_from(x: i128) -> Result<Self, Rule> {
+        let must = format!("must be at least {MIN} and at most {MAX}");
+        match i64::try_from(x) {
+            Ok(x) if (MIN..=MAX).contains(&x) => Ok(Self(x)),
+            _ => Err(Rule { must, advice: "" }),
+        }
+    }
+}
+
+impl<const MIN: i64, const MAX: i64> JsonSchema for Whole<MIN, MAX> {
+    fn schema_name() -> Cow<'static, str> {
+        format!("Whole{MIN}To{MAX}").into()
+    }
+
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "integer", "minimum": MIN, "maximum": MAX })
+    }
+}
+
+/// The version of the format: 1 is the only one so far.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "i128")]
+pub(crate) struct Version(i64);
+
+impl TryFrom<i128> for Version {
+    type Error = Rule;
+
+    fn try_from(x: i128) -> Result<Self, Rule> {
+        let must = "must be 1";
+        let advice = "this program reads scene files of version 1 only";
+        require(x == 1, must, advice).map(|()| Self(1))
+    }
+}
+
+impl JsonSchema for Version {
+    fn schema_name() -> Cow<'static, str> {
+        "Version".into()
+    }
+
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "const": 1 })
+    }
+}

@@ -1,0 +1,188 @@
+//! What a scene is, once it has been read and checked.
+
+use glam::Vec3;
+
+/// A checked scene: every number is finite, every index is in range.
+///
+/// Lengths are in the scene's own unit, angles in degrees, light in linear radiance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// How large and how well to render.
+    pub render: RenderSettings,
+    /// Where the picture is taken from.
+    pub camera: Camera,
+    /// The light that comes from outside.
+    pub environment: Environment,
+    /// In the order of the file.
+    pub materials: Vec<Material>,
+    /// In the order of the file.
+    pub shapes: Vec<Shape>,
+    /// What is allowed but probably not meant, each as `file:line:column: sentence`.
+    pub warnings: Vec<String>,
+}
+
+/// Size and quality of the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderSettings {
+    /// Pixels across, 1 to 65536.
+    pub width: u32,
+    /// Pixels down, 1 to 65536.
+    pub height: u32,
+    /// Samples of each pixel, 1 to 2^31 - 1.
+    pub samples: u32,
+    /// Most rays along one path, the camera's ray included, 1 to 65535.
+    pub max_depth: u32,
+    /// Chooses the random numbers.
+    pub seed: u32,
+    /// How samples are spread over a pixel.
+    pub filter: Filter,
+    /// Whether rays start slightly off the surface they leave; without it a surface shadows itself.
+    pub surface_offset: bool,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        Self {
+            width: 1280,
+            height: 720,
+            samples: 256,
+            max_depth: 10,
+            seed: 0,
+            filter: Filter::Box,
+            surface_offset: true,
+        }
+    }
+}
+
+/// How camera rays are spread over a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Filter {
+    /// Evenly over the pixel's area.
+    Box,
+    /// All through the pixel's centre, which shows aliasing.
+    Point,
+}
+
+/// A pinhole, or a thin lens when `aperture_radius` is positive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// The pinhole, or the lens's centre.
+    pub position: Vec3,
+    /// The point in the middle of the picture, never equal to `position`.
+    pub look_at: Vec3,
+    /// Not zero and not parallel to the viewing direction, but of any length and not at a right angle to it.
+    pub up: Vec3,
+    /// Angle between the picture's top and bottom edges, between 0 and 180 exclusive.
+    pub vertical_fov_degrees: f32,
+    /// 0 is a pinhole.
+    pub aperture_radius: f32,
+    /// Distance from `position`, along the viewing direction, of the plane in focus; positive.
+    pub focus_distance: f32,
+}
+
+/// Radiance that arrives from infinitely far away; black when the file has no `[environment]`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Environment {
+    /// The same from everywhere.
+    Constant(Vec3),
+    /// `mix(horizon, zenith, 0.5 (y + 1))` for the unit direction of the ray.
+    Gradient {
+        /// Seen straight below.
+        horizon: Vec3,
+        /// Seen straight above.
+        zenith: Vec3,
+    },
+}
+
+impl Environment {
+    /// Whether no light at all comes from outside.
+    pub fn is_black(&self) -> bool {
+        match self {
+            Self::Constant(color) => *color == Vec3::ZERO,
+            Self::Gradient { horizon, zenith } => *horizon == Vec3::ZERO && *zenith == Vec3::ZERO,
+        }
+    }
+}
+
+/// How a surface reflects, transmits and emits light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// The key under `[materials]`.
+    pub name: String,
+    /// Reflected (or transmitted) part of the light that arrives, each component 0 to 1.
+    pub color: Vec3,
+    /// Multiplied by `emission_strength` it is the emitted radiance; components 0 or more.
+    pub emission_color: Vec3,
+    /// 0 emits nothing.
+    pub emission_strength: f32,
+    /// 0 diffuse to 1 mirror; a dielectric ignores it.
+    pub smoothness: f32,
+    /// `None` is opaque, `Some` a dielectric of that index.
+    pub refractive_index: Option<f32>,
+    /// How a dielectric shares light between reflection and refraction.
+    pub reflection: Reflection,
+    /// Where dielectrics overlap the higher one wins.
+    pub priority: i32,
+}
+
+impl Material {
+    /// Whether it emits any light.
+    pub fn is_emissive(&self) -> bool {
+        self.emission_strength > 0.0 && self.emission_color != Vec3::ZERO
+    }
+}
+
+/// How a dielectric chooses between reflection and refraction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reflection {
+    /// By Fresnel's equations.
+    Fresnel,
+    /// Reflects with this probability, 0 to 1, at every angle.
+    Probability(f32),
+}
+
+/// A piece of geometry with its material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shape {
+    /// Index into [`Scene::materials`].
+    pub material: usize,
+    /// Where and what it is.
+    pub geometry: Geometry,
+}
+
+/// The kinds of geometry.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Geometry {
+    /// A sphere of positive radius.
+    Sphere {
+        /// Its centre.
+        center: Vec3,
+        /// Positive.
+        radius: f32,
+    },
+    /// An endless plane.
+    Plane {
+        /// Any point of it.
+        point: Vec3,
+        /// Of unit length.
+        normal: Vec3,
+    },
+    /// Both sides reflect and emit.
+    Rectangle {
+        /// One of its corners.
+        corner: Vec3,
+        /// From the corner along one side, not zero.
+        edge_u: Vec3,
+        /// From the corner along the other side, at a right angle to `edge_u`.
+        edge_v: Vec3,
+    },
+    /// A box that may be turned.
+    Box {
+        /// Its centre, about which it turns.
+        center: Vec3,
+        /// Lengths of its sides, all positive.
+        size: Vec3,
+        /// About the fixed x axis first, then y, then z.
+        rotation_degrees: Vec3,
+    },
+}

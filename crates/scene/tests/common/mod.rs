@@ -1,0 +1,145 @@
+//! What several tests need.
+#![allow(dead_code, reason = "each test program uses its part of it")]
+
+use std::path::PathBuf;
+
+use raggio_scene::{Environment, Geometry, Reflection, Scene, Vec3};
+
+/// Every key that a scene may have in this version, but for those that exclude others.
+pub const EXAMPLE: &str = r#"version = 1
+[render]                     # optional, as is every key in it
+width = 1280
+height = 720
+samples = 256                # per pixel
+max_depth = 10               # rays along one path
+seed = 0
+filter = "box"
+surface_offset = true
+[camera]
+position = [0, 1, 4]         # integers are fine wherever a number is
+look_at = [0, 1, 0]
+up = [0, 1, 0]               # default
+vertical_fov_degrees = 40
+aperture_radius = 0          # thin lens when > 0
+focus_distance = 4
+[environment]
+color = [0.7, 0.8, 1.0]
+[materials.glass]
+color = [1, 1, 1]
+emission_color = [1, 1, 1]   # default
+emission_strength = 0
+smoothness = 1               # 0 diffuse .. 1 mirror
+refractive_index = 1.5       # absent: opaque
+reflection = "fresnel"       # or a probability
+priority = 0
+[materials."matt white"]
+[[shapes]]
+material = "glass"
+sphere = { center = [0, 1, 0], radius = 1 }
+[[shapes]]
+material = "matt white"
+plane = { point = [0, 0, 0], normal = [0, 2, 0] }
+[[shapes]]
+material = "matt white"
+rectangle = { corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 0, 1] }
+[[shapes]]
+material = "matt white"
+box = { center = [1, 2, 3], size = [1, 2, 3], rotation_degrees = [10, 20, 30] }
+"#;
+
+/// One of the scenes that reference pictures exist of.
+pub fn reference_scene(name: &str) -> PathBuf {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/reference");
+    PathBuf::from(folder).join(format!("{name}.toml"))
+}
+
+/// What every scene that was read without an error promises to those who render it.
+pub fn check_invariants(scene: &Scene) {
+    check_settings(scene);
+    check_camera(scene);
+    match scene.environment {
+        Environment::Constant(color) => check_light(color),
+        Environment::Gradient { horizon, zenith } => {
+            check_light(horizon);
+            check_light(zenith);
+        }
+    }
+    check_materials(scene);
+    for shape in &scene.shapes {
+        assert!(shape.material < scene.materials.len(), "{shape:?}");
+        check_geometry(&shape.geometry);
+    }
+    assert!(scene.warnings.len() <= 101);
+}
+
+fn check_settings(scene: &Scene) {
+    let render = &scene.render;
+    assert!((1..=65536).contains(&render.width));
+    assert!((1..=65536).contains(&render.height));
+    assert!((1..=i32::MAX as u32).contains(&render.samples));
+    assert!((1..=65535).contains(&render.max_depth));
+}
+
+fn check_camera(scene: &Scene) {
+    let camera = &scene.camera;
+    let points = [camera.position, camera.look_at, camera.up];
+    assert!(points.iter().all(|point| point.is_finite()), "{camera:?}");
+    // The camera's frame, as a renderer would make it in 32 bits.
+    let forward = (camera.look_at - camera.position).normalize();
+    let right = forward.cross(camera.up.normalize()).normalize();
+    assert!(right.is_finite() && forward.is_finite(), "{camera:?}");
+    assert!(camera.vertical_fov_degrees > 0.0 && camera.vertical_fov_degrees < 180.0);
+    assert!(camera.aperture_radius >= 0.0 && camera.aperture_radius.is_finite());
+    assert!(camera.focus_distance.is_normal() && camera.focus_distance > 0.0);
+}
+
+fn check_light(color: Vec3) {
+    assert!(color.is_finite() && color.min_element() >= 0.0, "{color}");
+}
+
+fn check_materials(scene: &Scene) {
+    let fraction = 0.0..=1.0;
+    for material in &scene.materials {
+        check_light(material.color);
+        check_light(material.emission_color * material.emission_strength);
+        assert!(material.color.max_element() <= 1.0, "{material:?}");
+        assert!(fraction.contains(&material.smoothness), "{material:?}");
+        let index = material.refractive_index.unwrap_or(1.0);
+        assert!((0.09..=10.0).contains(&index), "{material:?}");
+        if let Reflection::Probability(probability) = material.reflection {
+            assert!(fraction.contains(&probability), "{material:?}");
+        }
+    }
+}
+
+fn check_geometry(geometry: &Geometry) {
+    match *geometry {
+        Geometry::Sphere { center, radius } => {
+            assert!(center.is_finite() && radius.is_normal() && radius > 0.0);
+            assert!((radius * radius).is_normal());
+        }
+        Geometry::Plane { point, normal } => {
+            assert!(point.is_finite() && normal.is_normalized(), "{geometry:?}");
+        }
+        Geometry::Rectangle {
+            corner,
+            edge_u,
+            edge_v,
+        } => {
+            assert!(corner.is_finite(), "{geometry:?}");
+            let cosine = edge_u.normalize().dot(edge_v.normalize());
+            assert!(cosine.abs() < 1.1e-4, "{geometry:?}");
+        }
+        Geometry::Box {
+            center,
+            size,
+            rotation_degrees,
+        } => {
+            assert!(
+                center.is_finite() && rotation_degrees.is_finite(),
+                "{geometry:?}"
+            );
+            assert!(size.is_finite() && size.min_element() > 0.0, "{geometry:?}");
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! What every mistake in a scene file is answered with, word for word.
+
+mod camera;
+mod environment;
+mod keys;
+mod materials;
+mod render;
+mod shapes;
+mod syntax;
+mod types;
+
+use raggio_scene::Scene;
+
+/// Name, text of the file, the error.
+pub type Case = (&'static str, &'static str, &'static str);
+
+fn check(cases: &[Case]) {
+    let mut failures = Vec::new();
+    for (name, text, expected) in cases {
+        let message = match Scene::parse(text, "scene.toml") {
+            Ok(_) => "no error".to_string(),
+            Err(error) => error.to_string(),
+        };
+        if message != *expected {
+            failures.push(format!(
+                "{name}\n  expected {expected}\n  found    {message}"
+            ));
+        }
+    }
+    assert!(failures.is_empty(), "\n{}", failures.join("\n"));
+}
+
+macro_rules! tables {
+    ($($table:ident)*) => {$(
+        #[test]
+        fn $table() {
+            check($table::CASES);
+        }
+    )*};
+}
+
+// The tests have the names of the tables' modules, which live in another namespace.
+tables! { syntax keys types render camera environment materials shapes }

@@ -1,0 +1,140 @@
+//! The JSON Schema says what the reader does.
+
+mod common;
+
+use common::{EXAMPLE, reference_scene};
+use serde_json::{Value, json};
+
+fn schema() -> Value {
+    serde_json::from_str(&raggio_scene::schema()).unwrap()
+}
+
+fn json_of(toml_text: &str) -> Value {
+    value(
+        &toml::de::DeTable::parse(toml_text)
+            .map(|it| toml::de::DeValue::Table(it.into_inner()))
+            .unwrap(),
+    )
+}
+
+fn value(node: &toml::de::DeValue<'_>) -> Value {
+    use toml::de::DeValue;
+    match node {
+        DeValue::String(text) => json!(text),
+        DeValue::Integer(number) => json!(number.as_str().parse::<i64>().unwrap()),
+        DeValue::Float(number) => json!(number.as_str().parse::<f64>().unwrap()),
+        DeValue::Boolean(truth) => json!(truth),
+        DeValue::Datetime(date) => json!(date.to_string()),
+        DeValue::Array(array) => array.iter().map(|it| value(it.get_ref())).collect(),
+        DeValue::Table(table) => {
+            let entries = table.iter();
+            entries
+                .map(|(key, it)| (key.get_ref().to_string(), value(it.get_ref())))
+                .collect()
+        }
+    }
+}
+
+#[test]
+fn it_is_a_schema_and_introduces_itself() {
+    let schema = schema();
+    assert!(jsonschema::meta::is_valid(&schema));
+    assert_eq!(
+        schema["$schema"],
+        "https://json-schema.org/draft/2020-12/schema"
+    );
+    assert_eq!(schema["title"], "raggio scene");
+    assert!(
+        schema["description"]
+            .as_str()
+            .unwrap()
+            .starts_with("A scene for raggio")
+    );
+    assert_eq!(schema.get("$id"), None);
+    assert!(!raggio_scene::schema().contains("null"));
+}
+
+#[test]
+fn it_accepts_what_the_reader_accepts() {
+    let validator = jsonschema::validator_for(&schema()).unwrap();
+    validator.validate(&json_of(EXAMPLE)).unwrap();
+    for name in ["cornell", "lamp", "nested", "spheres", "weekend"] {
+        let text = std::fs::read_to_string(reference_scene(name)).unwrap();
+        validator.validate(&json_of(&text)).unwrap();
+    }
+    let changed = EXAMPLE.replace("\"fresnel\"", "0.5").replace(
+        "color = [0.7, 0.8, 1.0]",
+        "horizon = [1, 1, 1]\nzenith = [0, 0, 1]",
+    );
+    validator.validate(&json_of(&changed)).unwrap();
+}
+
+/// Each is one replacement in the example that the reader refuses too.
+const WRONG: &[(&str, &str)] = &[
+    ("version = 1", "version = 2"),
+    ("version = 1", ""),
+    ("width = 1280", "width = 0"),
+    ("width = 1280", "width = 1.5"),
+    ("width = 1280", "widht = 1280"),
+    ("filter = \"box\"", "filter = \"gauss\""),
+    ("vertical_fov_degrees = 40", "vertical_fov_degrees = 180"),
+    ("position = [0, 1, 4]", "position = [0, 1]"),
+    ("position = [0, 1, 4]", ""),
+    ("[environment]\ncolor = [0.7, 0.8, 1.0]", "[environment]"),
+    ("color = [0.7, 0.8, 1.0]", "horizon = [1, 1, 1]"),
+    (
+        "color = [0.7, 0.8, 1.0]",
+        "color = [1, 1, 1]\nhorizon = [1, 1, 1]",
+    ),
+    ("color = [1, 1, 1]\nemission", "color = [1, 1, 2]\nemission"),
+    ("emission_strength = 0", "emission_strength = -1"),
+    ("smoothness = 1", "smoothness = 2"),
+    ("refractive_index = 1.5", "refractive_index = 0"),
+    ("reflection = \"fresnel\"", "reflection = \"fresnal\""),
+    ("reflection = \"fresnel\"", "reflection = 2"),
+    ("priority = 0", "priority = 0.5"),
+    ("radius = 1", "radius = 0"),
+    ("sphere = { center = [0, 1, 0], radius = 1 }", ""),
+    ("size = [1, 2, 3]", "size = [1, 0, 3]"),
+    ("[[shapes]]\nmaterial = \"glass\"", "[[shapes]]"),
+    (
+        "sphere = {",
+        "plane = { point = [0, 0, 0], normal = [0, 1, 0] }\nsphere = {",
+    ),
+];
+
+#[test]
+fn it_refuses_what_the_reader_refuses() {
+    let validator = jsonschema::validator_for(&schema()).unwrap();
+    for (right, wrong) in WRONG {
+        let text = EXAMPLE.replacen(right, wrong, 1);
+        assert_ne!(text, EXAMPLE, "{right}");
+        assert!(
+            raggio_scene::Scene::parse(&text, "scene.toml").is_err(),
+            "{wrong}"
+        );
+        assert!(!validator.is_valid(&json_of(&text)), "{wrong}");
+    }
+}
+
+#[test]
+fn every_key_is_in_it_with_a_description() {
+    let schema = schema();
+    let mut keys: Vec<String> = Vec::new();
+    let definitions = schema["$defs"].as_object().unwrap().values();
+    for table in definitions.chain([&schema]) {
+        for (key, property) in table["properties"].as_object().into_iter().flatten() {
+            assert!(property["description"].is_string(), "{key}: {property}");
+            keys.push(key.clone());
+        }
+    }
+    let words = "version render camera environment materials shapes width height samples max_depth \
+                 seed filter surface_offset position look_at up vertical_fov_degrees \
+                 aperture_radius focus_distance color horizon zenith image rotation_degrees \
+                 intensity emission_color emission_strength smoothness refractive_index reflection \
+                 priority material sphere plane rectangle box mesh center radius point normal \
+                 corner edge_u edge_v size file translation scale";
+    for key in words.split_whitespace() {
+        assert!(keys.iter().any(|it| it == key), "{key}");
+    }
+}

@@ -1,0 +1,67 @@
+use ash::vk;
+
+/// What can go wrong with Vulkan.
+#[derive(Debug, thiserror::Error)]
+pub enum VulkanError {
+    /// There is no Vulkan loader on this machine.
+    #[error(
+        "there is no Vulkan loader on this machine (Debian and Ubuntu: apt install libvulkan1; Fedora: dnf install vulkan-loader)"
+    )]
+    NoLoader,
+    /// Validation was asked for and cannot be had.
+    #[error(
+        "RAGGIO_VALIDATE=1 needs the Vulkan validation layers (Debian and Ubuntu: apt install vulkan-validationlayers)"
+    )]
+    NoValidationLayers,
+    /// The device lacks what the kernels need.
+    #[error("{name} lacks {missing}, which the kernels need")]
+    Unfit {
+        /// The device's name.
+        name: String,
+        /// What it lacks.
+        missing: String,
+    },
+    /// A buffer is larger than the device can bind or allocate.
+    #[error("{what} needs {needed} bytes in one buffer, and {name} can take {limit} there")]
+    TooLarge {
+        /// What was to be stored.
+        what: String,
+        /// The device's name.
+        name: String,
+        /// Its size in bytes.
+        needed: u64,
+        /// The most the device takes, in bytes.
+        limit: u64,
+    },
+    /// Not enough memory.
+    #[error("out of memory on the device: {0}")]
+    OutOfMemory(String),
+    /// The driver reset the device or it went away.
+    #[error("the device was lost: the driver reset it, or it went away")]
+    DeviceLost,
+    /// Any other failure of a Vulkan call.
+    #[error("{call} failed: {result}")]
+    Call {
+        /// The call.
+        call: &'static str,
+        /// Its result.
+        result: vk::Result,
+    },
+}
+
+/// Names the call in the error.
+pub(crate) trait During<T> {
+    fn during(self, call: &'static str) -> Result<T, VulkanError>;
+}
+
+impl<T> During<T> for Result<T, vk::Result> {
+    fn during(self, call: &'static str) -> Result<T, VulkanError> {
+        self.map_err(|result| match result {
+            vk::Result::ERROR_DEVICE_LOST => VulkanError::DeviceLost,
+            vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
+                VulkanError::OutOfMemory(call.into())
+            }
+            result => VulkanError::Call { call, result },
+        })
+    }
+}

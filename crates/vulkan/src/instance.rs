@@ -1,0 +1,246 @@
+use std::ffi::{CStr, c_void};
+use std::sync::{Arc, Mutex};
+
+use ash::{ext, khr, vk};
+
+use crate::error::{During, VulkanError};
+
+/// What the kernels bind at once: the scene's buffers, the film, output and input.
+const STORAGE_BUFFERS_NEEDED: u32 = 16;
+
+/// What kind of processor is behind a device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DeviceKind {
+    /// A card of its own.
+    Discrete,
+    /// Part of the processor.
+    Integrated,
+    /// A GPU seen through a virtual machine.
+    Virtual,
+    /// The processor itself: for tests.
+    Software,
+    /// Anything else.
+    Other,
+}
+
+impl DeviceKind {
+    /// One word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Discrete => "discrete",
+            Self::Integrated => "integrated",
+            Self::Virtual => "virtual",
+            Self::Software => "software",
+            Self::Other => "other",
+        }
+    }
+}
+
+/// A device as the driver describes it.
+#[derive(Clone, Debug)]
+pub struct PhysicalDevice {
+    pub(crate) handle: vk::PhysicalDevice,
+    pub(crate) queue_family: u32,
+    pub(crate) limits: vk::PhysicalDeviceLimits,
+    pub(crate) max_buffer_size: u64,
+    /// Place in the driver's list: the N of `vulkan:N`.
+    pub index: usize,
+    /// The device's name.
+    pub name: String,
+    /// The driver's name and version.
+    pub driver: String,
+    /// What kind of processor it is.
+    pub kind: DeviceKind,
+    /// Its own memory, in bytes.
+    pub memory_bytes: u64,
+    /// What the kernels need and it does not have; usable if empty.
+    pub missing: Vec<String>,
+}
+
+/// The connection to the Vulkan loader.
+pub struct Instance {
+    pub(crate) raw: ash::Instance,
+    debug: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
+    // The messenger holds its address.
+    messages: Box<Mutex<Vec<String>>>,
+    // Unloads the loader's library, so it goes last.
+    _entry: ash::Entry,
+}
+
+impl Instance {
+    /// Connects to the loader; `validate` turns on the validation layers, with synchronization validation.
+    pub fn new(validate: bool) -> Result<Arc<Self>, VulkanError> {
+        // SAFETY: the Vulkan loader is a well-behaved library; nothing of it is used after `entry` is dropped.
+        let entry = unsafe { ash::Entry::load() }.map_err(|_| VulkanError::NoLoader)?;
+        let layer = c"VK_LAYER_KHRONOS_validation";
+        if validate {
+            // SAFETY: no arguments; the result is owned.
+            let layers = unsafe { entry.enumerate_instance_layer_properties() }.during("vkEnumerateInstanceLayerProperties")?;
+            if !layers.iter().any(|l| l.layer_name_as_c_str() == Ok(layer)) {
+                return Err(VulkanError::NoValidationLayers);
+            }
+        }
+        // SAFETY: as above.
+        let known = unsafe { entry.enumerate_instance_extension_properties(None) }
+            .during("vkEnumerateInstanceExtensionProperties")?;
+        let has = |name: &CStr| known.iter().any(|e| e.extension_name_as_c_str() == Ok(name));
+
+        let layers = if validate { vec![layer.as_ptr()] } else { vec![] };
+        let mut extensions = vec![];
+        let mut flags = vk::InstanceCreateFlags::empty();
+        if has(khr::portability_enumeration::NAME) {
+            // Shows devices such as Apple's, which leave out parts of Vulkan that raggio does not use.
+            extensions.push(khr::portability_enumeration::NAME.as_ptr());
+            flags |= vk::InstanceCreateFlags::ENUMERATE_PORTABILITY_KHR;
+        }
+        if validate {
+            extensions.push(ext::debug_utils::NAME.as_ptr());
+        }
+        let application = vk::ApplicationInfo::default().application_name(c"raggio").api_version(vk::API_VERSION_1_2);
+        let checks = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
+        let mut validation = vk::ValidationFeaturesEXT::default().enabled_validation_features(&checks);
+        let mut info = vk::InstanceCreateInfo::default()
+            .application_info(&application)
+            .enabled_layer_names(&layers)
+            .enabled_extension_names(&extensions)
+            .flags(flags);
+        if validate {
+            info = info.push_next(&mut validation);
+        }
+        // SAFETY: all that `info` points to lives until the call returns.
+        let raw = unsafe { entry.create_instance(&info, None) }.during("vkCreateInstance")?;
+
+        let messages = Box::new(Mutex::new(Vec::new()));
+        let debug = if validate { Some(listen(&entry, &raw, &messages)?) } else { None };
+        Ok(Arc::new(Self { raw, debug, messages, _entry: entry }))
+    }
+
+    /// All devices, in the driver's order.
+    pub fn devices(&self) -> Result<Vec<PhysicalDevice>, VulkanError> {
+        // SAFETY: the instance is alive.
+        let handles = unsafe { self.raw.enumerate_physical_devices() }.during("vkEnumeratePhysicalDevices")?;
+        Ok(handles.into_iter().enumerate().map(|(index, handle)| self.describe(index, handle)).collect())
+    }
+
+    /// What the validation layers have said so far; empty when all is well.
+    pub fn validation_messages(&self) -> Vec<String> {
+        self.messages.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).clone()
+    }
+
+    fn describe(&self, index: usize, handle: vk::PhysicalDevice) -> PhysicalDevice {
+        let mut driver = vk::PhysicalDeviceDriverProperties::default();
+        let mut maintenance = vk::PhysicalDeviceMaintenance3Properties::default();
+        let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver).push_next(&mut maintenance);
+        let mut vulkan12 = vk::PhysicalDeviceVulkan12Features::default();
+        let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut vulkan12);
+        // SAFETY: `handle` came from this instance. Devices of Vulkan 1.0 ignore chained structures they do not know.
+        let (memory, queues) = unsafe {
+            self.raw.get_physical_device_properties2(handle, &mut properties);
+            self.raw.get_physical_device_features2(handle, &mut features);
+            (
+                self.raw.get_physical_device_memory_properties(handle),
+                self.raw.get_physical_device_queue_family_properties(handle),
+            )
+        };
+        let properties = properties.properties;
+
+        let queue_family = queues.iter().position(|q| q.queue_flags.contains(vk::QueueFlags::COMPUTE));
+        let mut missing = Vec::new();
+        if properties.api_version < vk::API_VERSION_1_2 {
+            missing.push("Vulkan 1.2".into());
+        }
+        if vulkan12.scalar_block_layout == vk::FALSE {
+            missing.push("scalarBlockLayout".into());
+        }
+        if queue_family.is_none() {
+            missing.push("a compute queue".into());
+        }
+        if properties.limits.max_per_stage_descriptor_storage_buffers < STORAGE_BUFFERS_NEEDED {
+            missing.push(format!("{STORAGE_BUFFERS_NEEDED} storage buffers in a shader"));
+        }
+        PhysicalDevice {
+            handle,
+            queue_family: queue_family.unwrap_or(0) as u32,
+            limits: properties.limits,
+            max_buffer_size: maintenance.max_memory_allocation_size,
+            index,
+            name: text(properties.device_name_as_c_str()),
+            driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str()))
+                .trim()
+                .to_owned(),
+            kind: match properties.device_type {
+                vk::PhysicalDeviceType::DISCRETE_GPU => DeviceKind::Discrete,
+                vk::PhysicalDeviceType::INTEGRATED_GPU => DeviceKind::Integrated,
+                vk::PhysicalDeviceType::VIRTUAL_GPU => DeviceKind::Virtual,
+                vk::PhysicalDeviceType::CPU => DeviceKind::Software,
+                _ => DeviceKind::Other,
+            },
+            memory_bytes: memory
+                .memory_heaps_as_slice()
+                .iter()
+                .filter(|heap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL))
+                .map(|heap| heap.size)
+                .sum(),
+            missing,
+        }
+    }
+}
+
+impl Drop for Instance {
+    fn drop(&mut self) {
+        // SAFETY: every device keeps its instance alive, so none is left; the messenger goes before the instance.
+        unsafe {
+            if let Some((loader, messenger)) = &self.debug {
+                loader.destroy_debug_utils_messenger(*messenger, None);
+            }
+            self.raw.destroy_instance(None);
+        }
+    }
+}
+
+fn text(name: Result<&CStr, std::ffi::FromBytesUntilNulError>) -> String {
+    name.map(|n| n.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+/// Collects the layers' warnings and errors in `messages`, and prints them.
+fn listen(
+    entry: &ash::Entry,
+    instance: &ash::Instance,
+    messages: &Mutex<Vec<String>>,
+) -> Result<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT), VulkanError> {
+    let loader = ext::debug_utils::Instance::new(entry, instance);
+    let info = vk::DebugUtilsMessengerCreateInfoEXT::default()
+        .message_severity(
+            vk::DebugUtilsMessageSeverityFlagsEXT::WARNING | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR,
+        )
+        .message_type(
+            vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION
+                | vk::DebugUtilsMessageTypeFlagsEXT::GENERAL
+                | vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE,
+        )
+        .pfn_user_callback(Some(on_message))
+        .user_data(std::ptr::from_ref(messages).cast_mut().cast());
+    // SAFETY: `messages` is boxed and outlives the messenger (see `Drop`); the callback has the right signature.
+    let messenger = unsafe { loader.create_debug_utils_messenger(&info, None) }.during("vkCreateDebugUtilsMessengerEXT")?;
+    Ok((loader, messenger))
+}
+
+unsafe extern "system" fn on_message(
+    _severity: vk::DebugUtilsMessageSeverityFlagsEXT,
+    kinds: vk::DebugUtilsMessageTypeFlagsEXT,
+    data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
+    user: *mut c_void,
+) -> vk::Bool32 {
+    // SAFETY: the layer passes valid data, and `user` is the mutex given in `listen`.
+    let (message, messages) = unsafe {
+        let text = (*data).p_message;
+        let text = if text.is_null() { String::new() } else { CStr::from_ptr(text).to_string_lossy().into_owned() };
+        (text, &*user.cast::<Mutex<Vec<String>>>())
+    };
+    // The loader itself reports, as GENERAL, drivers on this machine that it cannot use: no fault of ours.
+    if kinds != vk::DebugUtilsMessageTypeFlagsEXT::GENERAL {
+        eprintln!("vulkan validation: {message}");
+        messages.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).push(message);
+    }
+    vk::FALSE
+}

@@ -1,0 +1,19 @@
+//! Vulkan for raggio: all of `ash`, behind an interface without `unsafe`.
+//!
+//! [`Instance`] lists the physical devices; [`Device`] opens one; [`Buffer`]s hold data; [`Module`] holds the compute
+//! pipelines of a SPIR-V module; [`Device::run`] records typed passes, which place their own barriers, and waits.
+//! Everything is released by `Drop`, in the right order, because each part keeps alive what it was made from.
+
+mod buffer;
+mod compute;
+mod device;
+mod error;
+mod instance;
+mod passes;
+
+pub use buffer::{Buffer, Location};
+pub use compute::{BindingSet, Module, Pipeline};
+pub use device::Device;
+pub use error::VulkanError;
+pub use instance::{DeviceKind, Instance, PhysicalDevice};
+pub use passes::Passes;

@@ -1,0 +1,105 @@
+use ash::vk;
+
+use crate::buffer::Buffer;
+use crate::compute::{BindingSet, Pipeline};
+
+/// What a pass does to memory; the barrier between two passes follows from their kinds.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Compute,
+    Transfer,
+}
+
+impl Kind {
+    fn stage(self) -> vk::PipelineStageFlags {
+        match self {
+            Self::Compute => vk::PipelineStageFlags::COMPUTE_SHADER,
+            Self::Transfer => vk::PipelineStageFlags::TRANSFER,
+        }
+    }
+
+    fn reads(self) -> vk::AccessFlags {
+        match self {
+            Self::Compute => vk::AccessFlags::SHADER_READ,
+            Self::Transfer => vk::AccessFlags::TRANSFER_READ,
+        }
+    }
+
+    fn writes(self) -> vk::AccessFlags {
+        match self {
+            Self::Compute => vk::AccessFlags::SHADER_WRITE,
+            Self::Transfer => vk::AccessFlags::TRANSFER_WRITE,
+        }
+    }
+}
+
+/// Passes being recorded. Each sees all that the earlier ones wrote; the host sees all that they wrote after
+/// [`Device::run`](crate::Device::run) has returned.
+pub struct Passes<'a> {
+    device: &'a ash::Device,
+    commands: vk::CommandBuffer,
+    last: Option<Kind>,
+}
+
+impl<'a> Passes<'a> {
+    pub(crate) fn new(device: &'a ash::Device, commands: vk::CommandBuffer) -> Self {
+        Self { device, commands, last: None }
+    }
+
+    /// Runs `groups` workgroups of a kernel. `push` is its push block.
+    pub fn compute(&mut self, pipeline: &'a Pipeline, sets: &[&'a BindingSet], push: &[u8], groups: [u32; 3]) {
+        self.begin(Kind::Compute);
+        let layout = pipeline.module.layout;
+        let point = vk::PipelineBindPoint::COMPUTE;
+        // SAFETY: the command buffer is recording; pipeline and sets are alive until the submission has been waited for.
+        unsafe {
+            self.device.cmd_bind_pipeline(self.commands, point, pipeline.raw);
+            for set in sets {
+                self.device.cmd_bind_descriptor_sets(self.commands, point, layout, set.index, &[set.raw], &[]);
+            }
+            self.device.cmd_push_constants(self.commands, layout, vk::ShaderStageFlags::COMPUTE, 0, push);
+            self.device.cmd_dispatch(self.commands, groups[0], groups[1], groups[2]);
+        }
+    }
+
+    /// Copies as many bytes as fit both buffers.
+    pub fn copy(&mut self, from: &'a Buffer, to: &'a Buffer) {
+        let size = from.size().min(to.size());
+        if size == 0 {
+            return;
+        }
+        self.begin(Kind::Transfer);
+        let region = [vk::BufferCopy::default().size(size)];
+        // SAFETY: as above; the region lies inside both buffers.
+        unsafe { self.device.cmd_copy_buffer(self.commands, from.raw, to.raw, &region) };
+    }
+
+    /// Fills a buffer with zeros.
+    pub fn clear(&mut self, buffer: &'a Buffer) {
+        self.begin(Kind::Transfer);
+        // SAFETY: as above.
+        unsafe { self.device.cmd_fill_buffer(self.commands, buffer.raw, 0, vk::WHOLE_SIZE, 0) };
+    }
+
+    fn begin(&mut self, kind: Kind) {
+        if let Some(last) = self.last.replace(kind) {
+            self.barrier(last, kind.stage(), kind.reads() | kind.writes());
+        }
+    }
+
+    /// Makes the results visible to the host.
+    pub(crate) fn finish(&mut self) {
+        if let Some(last) = self.last {
+            self.barrier(last, vk::PipelineStageFlags::HOST, vk::AccessFlags::HOST_READ);
+        }
+    }
+
+    fn barrier(&self, last: Kind, stage: vk::PipelineStageFlags, access: vk::AccessFlags) {
+        let memory = [vk::MemoryBarrier::default().src_access_mask(last.writes()).dst_access_mask(access)];
+        let none = vk::DependencyFlags::empty();
+        // SAFETY: the command buffer is recording.
+        unsafe {
+            self.device.cmd_pipeline_barrier(self.commands, last.stage(), stage, none, &memory, &[], &[]);
+        }
+    }
+}
