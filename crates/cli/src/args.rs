@@ -2,7 +2,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use raggio_render::{DeviceChoice, ToneMapper};
+use raggio_render::{CpuOptions, DeviceChoice, OpenOptions, ToneMapper};
 
 /// A progressive path tracer on Vulkan and the CPU.
 #[derive(Parser)]
@@ -77,6 +77,16 @@ pub struct MachineArguments {
     /// Say nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+impl MachineArguments {
+    /// `RAGGIO_VALIDATE=1` turns on the Vulkan validation layers.
+    pub fn options(&self) -> OpenOptions {
+        OpenOptions {
+            cpu: CpuOptions { threads: self.threads.unwrap_or(0) as usize, ..CpuOptions::default() },
+            validate: std::env::var_os("RAGGIO_VALIDATE").is_some_and(|value| value == "1"),
+        }
+    }
 }
 
 /// Keys of the scene's [render] that the command line overrides.

@@ -69,7 +69,7 @@ impl Job<'_> {
         }
 
         let device_scene = DeviceScene::new(&scene)?;
-        let device = raggio_render::open(self.machine.device, self.machine.threads.unwrap_or(0) as usize)?;
+        let device = raggio_render::open(self.machine.device, self.machine.options())?;
         let session = device.load(&device_scene)?;
         let settings = &scene.render;
         let mut renderer = Renderer::new(session, settings.width, settings.height, settings.samples);

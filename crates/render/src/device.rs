@@ -17,6 +17,11 @@ pub trait Device {
     /// As shown to users: `NVIDIA H200 (vulkan:0)`.
     fn name(&self) -> String;
 
+    /// What Vulkan's validation layers have said so far, if they are on; empty when all is well.
+    fn validation_messages(&self) -> Vec<String> {
+        vec![]
+    }
+
     /// Makes `scene` resident, with an empty film.
     fn load<'a>(&'a self, scene: &DeviceScene) -> Result<Box<dyn Session + 'a>, DeviceError>;
 }
@@ -117,7 +122,7 @@ pub struct DeviceInfo {
 /// All devices of this machine, and why Vulkan has none if it cannot be used.
 pub fn devices() -> (Vec<DeviceInfo>, Option<DeviceError>) {
     let mut found = vec![CpuDevice::info()];
-    let listed = instance().and_then(|instance| Ok(instance.devices()?));
+    let listed = Instance::new(false).and_then(|instance| instance.devices());
     match listed {
         Ok(physical) => {
             found.extend(physical.into_iter().map(|p| DeviceInfo {
@@ -130,33 +135,35 @@ pub fn devices() -> (Vec<DeviceInfo>, Option<DeviceError>) {
             }));
             (found, None)
         }
-        Err(error) => (found, Some(error)),
+        Err(error) => (found, Some(error.into())),
     }
 }
 
-/// Opens the device that `choice` asks for. `threads`: how many the CPU may use; 0 for all.
-pub fn open(choice: DeviceChoice, threads: usize) -> Result<Box<dyn Device>, DeviceError> {
-    let cpu = || -> Result<Box<dyn Device>, DeviceError> {
-        Ok(Box::new(CpuDevice::new(CpuOptions { threads, ..CpuOptions::default() })?))
-    };
+/// How devices are opened.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct OpenOptions {
+    /// How the CPU is used.
+    pub cpu: CpuOptions,
+    /// Turns Vulkan's validation layers on.
+    pub validate: bool,
+}
+
+/// Opens the device that `choice` asks for.
+pub fn open(choice: DeviceChoice, options: OpenOptions) -> Result<Box<dyn Device>, DeviceError> {
+    let cpu = || -> Result<Box<dyn Device>, DeviceError> { Ok(Box::new(CpuDevice::new(options.cpu)?)) };
     match choice {
         DeviceChoice::Cpu => cpu(),
-        DeviceChoice::Vulkan(number) => Ok(Box::new(open_vulkan(number)?)),
-        DeviceChoice::Auto => match open_gpu() {
+        DeviceChoice::Vulkan(number) => Ok(Box::new(open_vulkan(number, options.validate)?)),
+        DeviceChoice::Auto => match open_gpu(options.validate) {
             Some(gpu) => Ok(Box::new(gpu)),
             None => cpu(),
         },
     }
 }
 
-fn instance() -> Result<std::sync::Arc<Instance>, DeviceError> {
-    let validate = std::env::var_os("RAGGIO_VALIDATE").is_some_and(|v| v == "1");
-    Ok(Instance::new(validate)?)
-}
-
 /// The first usable GPU, by kind; software devices are left to those who ask for them.
-fn open_gpu() -> Option<VulkanDevice> {
-    let instance = instance().ok()?;
+fn open_gpu(validate: bool) -> Option<VulkanDevice> {
+    let instance = Instance::new(validate).ok()?;
     let physical = instance.devices().ok()?;
     [DeviceKind::Discrete, DeviceKind::Integrated].into_iter().find_map(|kind| {
         physical
@@ -166,8 +173,8 @@ fn open_gpu() -> Option<VulkanDevice> {
     })
 }
 
-fn open_vulkan(number: Option<usize>) -> Result<VulkanDevice, DeviceError> {
-    let instance = instance()?;
+fn open_vulkan(number: Option<usize>, validate: bool) -> Result<VulkanDevice, DeviceError> {
+    let instance = Instance::new(validate)?;
     let physical = instance.devices()?;
     let chosen = match number {
         Some(n) => physical.get(n),

@@ -37,17 +37,16 @@ impl VulkanDevice {
         let probe = module.pipeline(EntryPoint::Probe.name())?;
         Ok(Self { context, module, render, probe })
     }
-
-    /// What the validation layers have said so far, if they are on.
-    pub fn validation_messages(&self) -> Vec<String> {
-        self.context.instance().validation_messages()
-    }
 }
 
 impl Device for VulkanDevice {
     fn name(&self) -> String {
         let physical = self.context.physical();
         format!("{} (vulkan:{})", physical.name, physical.index)
+    }
+
+    fn validation_messages(&self) -> Vec<String> {
+        self.context.instance().validation_messages()
     }
 
     fn load<'a>(&'a self, scene: &DeviceScene) -> Result<Box<dyn Session + 'a>, DeviceError> {
