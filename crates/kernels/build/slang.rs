@@ -55,7 +55,31 @@ pub fn compile(workspace: &Path, out: &Path) -> Result<Modules, String> {
         &out.join("kernels.spv"),
         &modules.spirv_reflection,
     )?;
+    drop_source_language(&out.join("kernels.spv"))?;
     Ok(modules)
+}
+
+/// Removes OpSource, a note on the source language: validation layers older than Slang take its number for an error.
+fn drop_source_language(path: &Path) -> Result<(), String> {
+    const HEADER_WORDS: usize = 5;
+    const OP_SOURCE: u32 = 3;
+    let failed = |e: std::io::Error| format!("cannot rewrite {}: {e}", path.display());
+    let bytes = std::fs::read(path).map_err(failed)?;
+    let words: Vec<u32> = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+
+    let mut kept = words.get(..HEADER_WORDS).ok_or("slangc's SPIR-V has no header")?.to_vec();
+    let mut rest = &words[HEADER_WORDS..];
+    while let Some(&first) = rest.first() {
+        // An instruction's length in words and its opcode share its first word.
+        let (length, opcode) = (first as usize >> 16, first & 0xffff);
+        let instruction = rest.get(..length.max(1)).ok_or("slangc's SPIR-V is cut short")?;
+        if opcode != OP_SOURCE {
+            kept.extend_from_slice(instruction);
+        }
+        rest = &rest[length.max(1)..];
+    }
+    let bytes: Vec<u8> = kept.into_iter().flat_map(u32::to_le_bytes).collect();
+    std::fs::write(path, bytes).map_err(failed)
 }
 
 /// `$SLANGC`, what `make setup` installed, `PATH`, the Vulkan SDK: the first there is.
