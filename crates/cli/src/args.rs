@@ -6,7 +6,7 @@ use raggio_render::{CpuOptions, DeviceChoice, OpenOptions, ToneMapper};
 
 /// A progressive path tracer on Vulkan and the CPU.
 #[derive(Parser)]
-#[command(version, propagate_version = true)]
+#[command(name = "raggio", version, propagate_version = true)]
 pub struct Arguments {
     #[command(subcommand)]
     pub command: Command,

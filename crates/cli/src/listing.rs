@@ -13,7 +13,8 @@ fn print(text: &str) {
 
 pub fn devices() -> Result<(), Failure> {
     let (devices, trouble) = raggio_render::devices();
-    let memory = |bytes: Option<u64>| bytes.map_or("?".into(), |b| format!("{:.1} GiB", b as f64 / (1u64 << 30) as f64));
+    let memory =
+        |bytes: Option<u64>| bytes.map_or("?".into(), |b| format!("{:.1} GiB", b as f64 / (1u64 << 30) as f64));
     let width = |of: &dyn Fn(usize) -> usize| (0..devices.len()).map(of).max().unwrap_or(0);
     let id_width = width(&|i| devices[i].id.len());
     let name_width = width(&|i| devices[i].name.len());
@@ -34,7 +35,7 @@ pub fn devices() -> Result<(), Failure> {
         ));
     }
     if let Some(trouble) = trouble {
-        print(&format!("no Vulkan devices: {trouble}"));
+        print(&format!("vulkan    none: {trouble}"));
     }
     Ok(())
 }

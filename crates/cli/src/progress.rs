@@ -69,7 +69,13 @@ fn describe(progress: &Progress, target: u32) -> String {
 /// `12.3 M`.
 pub fn millions(count: f64) -> String {
     let count = count / 1e6;
-    let digits = if count < 10.0 { 2 } else if count < 100.0 { 1 } else { 0 };
+    let digits = if count < 10.0 {
+        2
+    } else if count < 100.0 {
+        1
+    } else {
+        0
+    };
     format!("{count:.digits$} M")
 }
 

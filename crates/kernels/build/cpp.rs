@@ -37,9 +37,7 @@ pub fn compile(modules: &Modules, out: &Path) -> Result<(), String> {
 /// Every function into its callers, which doubles the speed: the vectors of the generated code stay in registers.
 /// slangc exports the constructors it makes up; they become local like the rest, or the levels' symbols would collide.
 fn inlined(kernels: &str) -> String {
-    kernels
-        .replace("extern \"C\"\n", "static ")
-        .replace("\nstatic ", "\nstatic inline __attribute__((always_inline)) ")
+    kernels.replace("extern \"C\"\n", "static ").replace("\nstatic ", "\nstatic inline __attribute__((always_inline)) ")
 }
 
 fn translation_unit(suffix: &str) -> String {
@@ -103,7 +101,8 @@ fn table() -> String {
     for (name, _, _) in levels() {
         let _ = write!(text, "InstructionSet::{name}, ");
     }
-    text += "];\n\nfn entry_point(set: InstructionSet, entry: EntryPoint) -> Option<Kernel> {\n    match (set, entry) {\n";
+    text +=
+        "];\n\nfn entry_point(set: InstructionSet, entry: EntryPoint) -> Option<Kernel> {\n    match (set, entry) {\n";
     for (name, suffix, _) in levels() {
         for entry in ENTRY_POINTS {
             let variant = entry[..1].to_uppercase() + &entry[1..];

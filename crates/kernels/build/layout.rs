@@ -63,7 +63,9 @@ fn buffers(block: &Value, place: &str) -> Result<Vec<Buffer>, String> {
             let at = base + field["binding"][place].as_u64().ok_or(format!("`{name}` has no place"))?;
             match field["type"]["kind"].as_str() {
                 Some("struct") => walk(&field["type"]["fields"], at, place, found)?,
-                Some("resource") => found.push(Buffer { name, place: at, element: field["type"]["resultType"].clone() }),
+                Some("resource") => {
+                    found.push(Buffer { name, place: at, element: field["type"]["resultType"].clone() })
+                }
                 other => return Err(format!("Scene holds buffers alone, and `{name}` is {other:?}")),
             }
         }
@@ -165,12 +167,7 @@ fn places(cpp: &[Value], spirv: &[Value], scene_cpp: &[Buffer], scene_spirv: &[B
         format!("[{}]", buffers.iter().map(|b| (b.place / unit).to_string()).collect::<Vec<_>>().join(", "))
     };
     let count = scene_cpp.len();
-    constant(
-        "Descriptor set of the scene.",
-        "SCENE_SET",
-        "u32",
-        find(spirv, "scene")?["binding"]["index"].to_string(),
-    );
+    constant("Descriptor set of the scene.", "SCENE_SET", "u32", find(spirv, "scene")?["binding"]["index"].to_string());
     constant(
         "Bindings of the scene's buffers in that set.",
         "SCENE_BINDINGS",

@@ -50,11 +50,7 @@ pub fn compile(workspace: &Path, out: &Path) -> Result<Modules, String> {
         watch(&depfile)
     };
     run(&["-target", "cpp"], &modules.cpp, &modules.cpp_reflection)?;
-    run(
-        &["-target", "spirv", "-O0", "-fvk-use-entrypoint-name"],
-        &out.join("kernels.spv"),
-        &modules.spirv_reflection,
-    )?;
+    run(&["-target", "spirv", "-O0", "-fvk-use-entrypoint-name"], &out.join("kernels.spv"), &modules.spirv_reflection)?;
     drop_source_language(&out.join("kernels.spv"))?;
     Ok(modules)
 }
@@ -110,9 +106,7 @@ fn find(workspace: &Path) -> Result<PathBuf, String> {
     let (path, version) = found.into_iter().next().ok_or(format!(
         "slangc, the compiler of the kernels, is missing: run `make setup`, or install the Vulkan SDK or Slang {VERSION} and put slangc on PATH or into $SLANGC"
     ))?;
-    println!(
-        "cargo::warning=slangc {version} is not the tested {VERSION}; `make setup` installs that one into .venv"
-    );
+    println!("cargo::warning=slangc {version} is not the tested {VERSION}; `make setup` installs that one into .venv");
     Ok(path)
 }
 

@@ -46,12 +46,7 @@ impl InstructionSet {
         use std::arch::is_x86_feature_detected as has;
         let v2 = has!("sse4.2") && has!("popcnt") && has!("cmpxchg16b");
         let v3 = v2 && has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("f16c") && has!("lzcnt");
-        let v4 = v3
-            && has!("avx512f")
-            && has!("avx512bw")
-            && has!("avx512cd")
-            && has!("avx512dq")
-            && has!("avx512vl");
+        let v4 = v3 && has!("avx512f") && has!("avx512bw") && has!("avx512cd") && has!("avx512dq") && has!("avx512vl");
         match self {
             Self::X86V4 => v4,
             Self::X86V3 => v3,
@@ -116,13 +111,7 @@ pub struct Buffers<'a> {
 ///
 /// # Panics
 /// If the buffers are smaller than the work, or `set` is not one of [`InstructionSet::available`].
-pub fn dispatch(
-    set: InstructionSet,
-    entry: EntryPoint,
-    scene: Option<&CpuScene>,
-    work: &Work,
-    buffers: Buffers<'_>,
-) {
+pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>, work: &Work, buffers: Buffers<'_>) {
     assert!(set.supported(), "this processor lacks {}", set.name());
     let kernel = entry_point(set, entry).expect("this build has kernels for every level it lists");
     let first = work.first_row.checked_sub(work.band_row).expect("the work begins inside its band");

@@ -38,7 +38,8 @@ impl SceneBuffers {
         }
         if counts.shapes as usize != self.order.len()
             || counts.nodes as usize != self.nodes.len()
-            || counts.camera_media as usize != self.camera_media.len() {
+            || counts.camera_media as usize != self.camera_media.len()
+        {
             return fail("`counts` disagrees with the buffers");
         }
         if counts.unbounded as usize > self.order.len() {

@@ -39,9 +39,7 @@ impl EntryPoint {
     /// Workgroups that cover the work, in x, y, z.
     pub fn groups(self, work: &Work) -> [u32; 3] {
         match self {
-            Self::Render | Self::Display => {
-                [work.width.div_ceil(IMAGE_GROUP), work.rows.div_ceil(IMAGE_GROUP), 1]
-            }
+            Self::Render | Self::Display => [work.width.div_ceil(IMAGE_GROUP), work.rows.div_ceil(IMAGE_GROUP), 1],
             Self::Probe => [work.count.div_ceil(PROBE_GROUP), 1, 1],
         }
     }

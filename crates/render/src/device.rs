@@ -189,7 +189,10 @@ fn open_vulkan(number: Option<usize>, validate: bool) -> Result<VulkanDevice, De
     let chosen = chosen.ok_or_else(|| {
         DeviceError::NotFound(match number {
             Some(n) => {
-                format!("there is no Vulkan device {n}: this machine has {}; `raggio devices` lists them", physical.len())
+                format!(
+                    "there is no Vulkan device {n}: this machine has {}; `raggio devices` lists them",
+                    physical.len()
+                )
             }
             None => "no Vulkan device of this machine can run the kernels: `raggio devices` says why".into(),
         })

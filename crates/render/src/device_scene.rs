@@ -33,14 +33,6 @@ pub enum TranslationError {
         /// How many there may be.
         limit: usize,
     },
-    /// A hierarchy too deep for the kernels' stack.
-    #[error("the hierarchy over the shapes is {depth} levels deep, and kernels can follow {limit}")]
-    TooDeep {
-        /// Its depth.
-        depth: usize,
-        /// The most it may be.
-        limit: usize,
-    },
 }
 
 impl DeviceScene {
@@ -58,7 +50,7 @@ impl DeviceScene {
         // Shapes without bounds come first, for they are tried one by one; the others in the order of the leaves.
         let (unbounded, bounded): (Vec<u32>, Vec<u32>) =
             (0..scene.shapes.len() as u32).partition(|&i| bounds(&scene.shapes[i as usize].geometry).is_none());
-        let hierarchy = Hierarchy::build(scene, &bounded, unbounded.len() as u32)?;
+        let hierarchy = Hierarchy::build(scene, &bounded, unbounded.len() as u32);
         let shape_of_place = [unbounded.as_slice(), &hierarchy.order].concat();
         buffers.order = shape_of_place.iter().map(|&i| references[i as usize]).collect();
         buffers.nodes = hierarchy.nodes;
@@ -158,22 +150,14 @@ fn add_shape(buffers: &mut SceneBuffers, shape: &Shape) -> ShapeReference {
         Geometry::Rectangle { corner, edge_u, edge_v } => {
             let normal = edge_u.as_dvec3().cross(edge_v.as_dvec3()).normalize().as_vec3();
             let [corner, edge_u, edge_v, normal] = [corner, edge_u, edge_v, normal].map(|v: Vec3| v.to_array());
-            push(
-                &mut buffers.rectangles,
-                ShapeKind::Rectangle,
-                Rectangle { corner, edge_u, edge_v, normal, material },
-            )
+            push(&mut buffers.rectangles, ShapeKind::Rectangle, Rectangle { corner, edge_u, edge_v, normal, material })
         }
         Geometry::Box { center, size, rotation_degrees } => {
             let axes = rotation(rotation_degrees);
             let [axis_x, axis_y, axis_z] = [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.as_vec3().to_array());
             let half_size = (size * 0.5).to_array();
             let center = center.to_array();
-            push(
-                &mut buffers.boxes,
-                ShapeKind::Box,
-                DeviceBox { center, half_size, axis_x, axis_y, axis_z, material },
-            )
+            push(&mut buffers.boxes, ShapeKind::Box, DeviceBox { center, half_size, axis_x, axis_y, axis_z, material })
         }
     }
 }

@@ -89,11 +89,7 @@ impl Film {
         let mean = |sum: FixedSum, samples: u32| {
             if samples == 0 { 0.0 } else { (value(sum) / f64::from(samples)) as f32 }
         };
-        let pixels = self
-            .pixels
-            .iter()
-            .map(|p| [p.red, p.green, p.blue].map(|sum| mean(sum, p.samples)))
-            .collect();
+        let pixels = self.pixels.iter().map(|p| [p.red, p.green, p.blue].map(|sum| mean(sum, p.samples))).collect();
         Image { width: self.width, height: self.height, pixels }
     }
 

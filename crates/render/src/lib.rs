@@ -16,7 +16,9 @@ mod renderer;
 mod vulkan;
 
 pub use cpu::{CpuDevice, CpuOptions, total_memory_bytes};
-pub use device::{Answer, Device, DeviceChoice, DeviceError, DeviceInfo, OpenOptions, Question, Session, devices, open};
+pub use device::{
+    Answer, Device, DeviceChoice, DeviceError, DeviceInfo, OpenOptions, Question, Session, devices, open,
+};
 pub use device_scene::{DeviceScene, TranslationError};
 pub use film::{Film, Image, SizeMismatch, film_bytes};
 pub use image_file::{Display, ImageFile, OutputError, write_whole};

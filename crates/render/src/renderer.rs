@@ -78,8 +78,7 @@ impl<'a> Renderer<'a> {
     pub fn progress(&self) -> Progress {
         let width = u64::from(self.width);
         let pixels = width * u64::from(self.height);
-        let total_samples =
-            u64::from(self.pass.start) * pixels + u64::from(self.row) * width * self.pass.len() as u64;
+        let total_samples = u64::from(self.pass.start) * pixels + u64::from(self.row) * width * self.pass.len() as u64;
         Progress {
             samples: if self.row == self.height { self.pass.end } else { self.pass.start },
             total_samples,

@@ -127,8 +127,7 @@ impl Session for VulkanSession<'_> {
         let work = Work { probe: probe as u32, count: questions.len() as u32, ..self.work };
         let input = Arc::new(Buffer::with_bytes(context, "questions", bytemuck::cast_slice(questions))?);
         let output = Arc::new(Buffer::zeroed(context, "answers", size_of_val(questions) as u64)?);
-        let set =
-            self.device.module.bind(BUFFER_SET, &[(INPUT_BINDING, input), (OUTPUT_BINDING, output.clone())])?;
+        let set = self.device.module.bind(BUFFER_SET, &[(INPUT_BINDING, input), (OUTPUT_BINDING, output.clone())])?;
         let sets = [&set, &self.scene_set];
         let groups = EntryPoint::Probe.groups(&work);
         context.run(|passes| passes.compute(&self.device.probe, &sets, bytemuck::bytes_of(&work), groups))?;

@@ -9,14 +9,11 @@ use glam::{DVec3, Vec3};
 
 use crate::fault::{Fault, steps};
 use crate::file::{
-    CameraFile, EnvironmentFile, FilterFile, MaterialFile, Materials, ReflectionFile, RenderFile,
-    SceneFile,
+    CameraFile, EnvironmentFile, FilterFile, MaterialFile, Materials, ReflectionFile, RenderFile, SceneFile,
 };
 use crate::names;
 use crate::number::SMALLEST;
-use crate::scene::{
-    Camera, Environment, Filter, Material, Reflection, RenderSettings, Scene, Shape,
-};
+use crate::scene::{Camera, Environment, Filter, Material, Reflection, RenderSettings, Scene, Shape};
 
 /// Sine of the smallest angle between `up` and the viewing direction.
 const PARALLEL: f64 = 1e-5;
@@ -28,29 +25,16 @@ pub(crate) fn scene(file: SceneFile) -> Result<(Scene, Vec<Fault>), Fault> {
     let environment = file.environment.as_ref().map(environment).transpose()?;
     let environment = environment.unwrap_or(Environment::Constant(Vec3::ZERO));
     let materials = materials(&file.materials, &mut warnings);
-    let indices = materials
-        .iter()
-        .enumerate()
-        .map(|(i, it)| (it.name.as_str(), i))
-        .collect();
+    let indices = materials.iter().enumerate().map(|(i, it)| (it.name.as_str(), i)).collect();
     let shapes = all_shapes(&file, &indices)?;
-    let scene = Scene {
-        render: render(&file.render),
-        camera,
-        environment,
-        shapes,
-        materials,
-        warnings: Vec::new(),
-    };
+    let scene = Scene { render: render(&file.render), camera, environment, shapes, materials, warnings: Vec::new() };
     warnings.extend(darkness(&scene));
     Ok((scene, warnings))
 }
 
 fn all_shapes(file: &SceneFile, indices: &HashMap<&str, usize>) -> Result<Vec<Shape>, Fault> {
     let shapes = file.shapes.iter().enumerate();
-    shapes
-        .map(|(index, shape)| shapes::shape(index, shape, indices, &file.materials))
-        .collect()
+    shapes.map(|(index, shape)| shapes::shape(index, shape, indices, &file.materials)).collect()
 }
 
 /// As 32-bit floats; the types of the file have checked that they are in range.
@@ -141,11 +125,8 @@ fn environment(file: &EnvironmentFile) -> Result<Environment, Fault> {
              other"
         }
     };
-    let given = [
-        ("color", file.color.is_some()),
-        ("horizon", file.horizon.is_some()),
-        ("zenith", file.zenith.is_some()),
-    ];
+    let given =
+        [("color", file.color.is_some()), ("horizon", file.horizon.is_some()), ("zenith", file.zenith.is_some())];
     Err(match given.iter().find(|(_, is_given)| *is_given) {
         Some((key, _)) => Fault::key(steps!["environment", *key], message),
         None => Fault::value(steps!["environment"], message),
@@ -180,14 +161,10 @@ fn warn_of_opaque(name: &str, file: &MaterialFile, warnings: &mut Vec<Fault>) {
     if file.refractive_index.is_some() {
         return;
     }
-    let given = [
-        ("reflection", file.reflection.is_some()),
-        ("priority", file.priority.is_some()),
-    ];
+    let given = [("reflection", file.reflection.is_some()), ("priority", file.priority.is_some())];
     for (key, _) in given.into_iter().filter(|(_, is_given)| *is_given) {
         let table = names::key(name);
-        let message =
-            format!("`{key}` in [materials.{table}] does nothing without `refractive_index`");
+        let message = format!("`{key}` in [materials.{table}] does nothing without `refractive_index`");
         warnings.push(Fault::key(steps!["materials", name, key], message));
     }
 }
@@ -195,11 +172,7 @@ fn warn_of_opaque(name: &str, file: &MaterialFile, warnings: &mut Vec<Fault>) {
 fn material(name: &str, file: &MaterialFile) -> Material {
     let emission_strength = file.emission_strength.0 as f32;
     // A lamp is black unless told otherwise: its own light is what one wants to see of it.
-    let default_color = if file.emission_strength.0 > 0.0 {
-        0.0
-    } else {
-        0.8
-    };
+    let default_color = if file.emission_strength.0 > 0.0 { 0.0 } else { 0.8 };
     Material {
         name: name.to_string(),
         color: file.color.map_or(Vec3::splat(default_color), vec3),
@@ -217,10 +190,7 @@ fn material(name: &str, file: &MaterialFile) -> Material {
 
 /// A warning when the picture will be black.
 fn darkness(scene: &Scene) -> Option<Fault> {
-    let mut used = scene
-        .shapes
-        .iter()
-        .map(|shape| &scene.materials[shape.material]);
+    let mut used = scene.shapes.iter().map(|shape| &scene.materials[shape.material]);
     if !scene.environment.is_black() || used.any(Material::is_emissive) {
         return None;
     }

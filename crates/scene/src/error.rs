@@ -19,20 +19,11 @@ pub struct SceneError {
 impl SceneError {
     /// An error about the file as a whole.
     pub(crate) fn whole_file(file: impl Into<String>, message: impl Into<String>) -> Self {
-        Self {
-            file: file.into(),
-            line: 0,
-            column: 0,
-            message: message.into(),
-        }
+        Self { file: file.into(), line: 0, column: 0, message: message.into() }
     }
 }
 
 /// `file:line:column`, without the numbers where the line is 0.
 pub(crate) fn place(file: &str, line: usize, column: usize) -> String {
-    if line == 0 {
-        file.to_string()
-    } else {
-        format!("{file}:{line}:{column}")
-    }
+    if line == 0 { file.to_string() } else { format!("{file}:{line}:{column}") }
 }

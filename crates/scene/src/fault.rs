@@ -66,10 +66,7 @@ pub(crate) enum Kind {
 
 impl Fault {
     pub(crate) fn new(kind: Kind) -> Self {
-        Self {
-            steps_inwards: Vec::new(),
-            kind,
-        }
+        Self { steps_inwards: Vec::new(), kind }
     }
 
     /// A whole sentence about the value at `path`.
@@ -109,15 +106,10 @@ impl Fault {
                 format!("{} must be {expected}, not {found}", subject(&path))
             }
             Kind::WrongLength { expected, found } => {
-                format!(
-                    "{} must be a list of {expected} numbers, not of {found}",
-                    subject(&path)
-                )
+                format!("{} must be a list of {expected} numbers, not of {found}", subject(&path))
             }
             Kind::WrongValue { must, advice } => {
-                let advice = advice
-                    .as_ref()
-                    .map_or(String::new(), |it| format!(": {it}"));
+                let advice = advice.as_ref().map_or(String::new(), |it| format!(": {it}"));
                 let text = names::quoted(text);
                 format!("{} {must}, not {text}{advice}", subject(&path))
             }
@@ -133,9 +125,7 @@ fn unknown_key(path: &[Step], key: &str, known: &[&str]) -> String {
 
 fn missing_key(path: &[Step], key: &str) -> String {
     match (path, key) {
-        ([], "version") => {
-            "`version` is missing: a scene file starts with `version = 1`".to_string()
-        }
+        ([], "version") => "`version` is missing: a scene file starts with `version = 1`".to_string(),
         ([], "camera") => "[camera] is missing: a scene needs one, with `position`, `look_at` and \
                            `vertical_fov_degrees`"
             .to_string(),

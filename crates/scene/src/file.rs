@@ -9,8 +9,7 @@ use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::number::{
-    Coordinate, FieldOfView, Fraction, NonNegative, Positive, Reflectance, RefractiveIndex,
-    Version, Whole,
+    Coordinate, FieldOfView, Fraction, NonNegative, Positive, Reflectance, RefractiveIndex, Version, Whole,
 };
 
 /// A point or a direction: x, y and z.
@@ -143,10 +142,7 @@ pub(crate) struct MaterialFile {
 
 /// "fresnel", or a probability.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(
-    untagged,
-    expecting = "must be `\"fresnel\"` or a probability between 0 and 1"
-)]
+#[serde(untagged, expecting = "must be `\"fresnel\"` or a probability between 0 and 1")]
 #[schemars(rename = "Reflection")]
 pub(crate) enum ReflectionFile {
     /// By Fresnel's equations.

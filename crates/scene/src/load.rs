@@ -50,17 +50,13 @@ fn scene_file(document: &Document<'_>) -> Result<SceneFile, Fault> {
     let root = document.root();
     let version = root.get("version");
     let version = version.ok_or_else(|| Fault::new(Kind::MissingKey("version")))?;
-    Version::deserialize(Node(version.get_ref()))
-        .map_err(|fault| fault.inside(Step::from("version")))?;
+    Version::deserialize(Node(version.get_ref())).map_err(|fault| fault.inside(Step::from("version")))?;
     SceneFile::deserialize(Node(root))
 }
 
 fn refuse_meshes(path: &Path, name: &str) -> Result<(), SceneError> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    if ["glb", "gltf", "ply", "obj"]
-        .iter()
-        .any(|mesh| extension == *mesh)
-    {
+    if ["glb", "gltf", "ply", "obj"].iter().any(|mesh| extension == *mesh) {
         let message = "triangle meshes are not in this version of raggio: give a `.toml` scene";
         return Err(SceneError::whole_file(name, message));
     }
@@ -84,14 +80,8 @@ fn read(path: &Path) -> Result<Vec<u8>, String> {
     }
     // Devices and pipes have no length, so the limit is checked again while reading.
     let mut bytes = Vec::new();
-    file.take(MOST_BYTES + 1)
-        .read_to_end(&mut bytes)
-        .map_err(cannot)?;
-    if bytes.len() as u64 > MOST_BYTES {
-        too_large()
-    } else {
-        Ok(bytes)
-    }
+    file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(cannot)?;
+    if bytes.len() as u64 > MOST_BYTES { too_large() } else { Ok(bytes) }
 }
 
 fn utf8<'a>(bytes: &'a [u8], name: &str) -> Result<&'a str, SceneError> {

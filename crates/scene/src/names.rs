@@ -40,11 +40,7 @@ fn is_invisible(character: char) -> bool {
 /// As TOML writes a key: bare where that is allowed, else in quotes.
 pub(crate) fn key(name: &str) -> String {
     let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-    if !name.is_empty() && name.chars().all(is_bare) {
-        printable(name)
-    } else {
-        format!("\"{}\"", printable(name))
-    }
+    if !name.is_empty() && name.chars().all(is_bare) { printable(name) } else { format!("\"{}\"", printable(name)) }
 }
 
 /// The known name most like `name`, if any is like it at all.
@@ -115,10 +111,7 @@ mod tests {
     #[test]
     fn quoted_escapes_and_cuts() {
         assert_eq!(quoted("a\u{1b}[2J"), "`a\\u{1b}[2J`");
-        assert_eq!(
-            quoted(&"x".repeat(99)),
-            format!("`{}...`", "x".repeat(LONGEST))
-        );
+        assert_eq!(quoted(&"x".repeat(99)), format!("`{}...`", "x".repeat(LONGEST)));
         assert_eq!(key("two words"), "\"two words\"");
     }
 }

@@ -33,11 +33,7 @@ impl fmt::Display for Rule {
 /// `Ok` when the condition holds; NaN fails every comparison, so conditions are written positively.
 fn require(condition: bool, must: impl Into<String>, advice: &'static str) -> Result<(), Rule> {
     let must = must.into();
-    if condition {
-        Ok(())
-    } else {
-        Err(Rule { must, advice })
-    }
+    if condition { Ok(()) } else { Err(Rule { must, advice }) }
 }
 
 fn finite(x: f64) -> Result<(), Rule> {
@@ -67,11 +63,7 @@ fn reflectance(x: f64) -> Result<(), Rule> {
 
 fn refractive_index(x: f64) -> Result<(), Rule> {
     let advice = "air has 1, water 1.33, glass 1.5, diamond 2.42";
-    require(
-        (0.1..=10.0).contains(&x),
-        "must be between 0.1 and 10",
-        advice,
-    )
+    require((0.1..=10.0).contains(&x), "must be between 0.1 and 10", advice)
 }
 
 fn field_of_view(x: f64) -> Result<(), Rule> {

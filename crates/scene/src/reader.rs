@@ -3,9 +3,7 @@
 //! A deserializer of our own, because serde's generic messages neither name the key nor say what
 //! would be right: it answers every mismatch with a [`Fault`] and notes the path on the way out.
 
-use serde::de::{
-    DeserializeSeed, Deserializer, Error as _, IntoDeserializer, MapAccess, SeqAccess, Visitor,
-};
+use serde::de::{DeserializeSeed, Deserializer, Error as _, IntoDeserializer, MapAccess, SeqAccess, Visitor};
 use serde::forward_to_deserialize_any;
 use toml::Spanned;
 use toml::de::{DeInteger, DeValue};
@@ -45,11 +43,7 @@ impl<'de> Node<'de> {
 /// Numbers too large for 128 bits are as much out of every range as the largest of those.
 fn whole(integer: &DeInteger<'_>) -> i128 {
     let text = integer.as_str();
-    let beyond = if text.starts_with('-') {
-        i128::MIN
-    } else {
-        i128::MAX
-    };
+    let beyond = if text.starts_with('-') { i128::MIN } else { i128::MAX };
     i128::from_str_radix(text, integer.radix()).unwrap_or(beyond)
 }
 
@@ -100,11 +94,7 @@ impl<'de> Deserializer<'de> for Node<'de> {
         visitor.visit_some(self)
     }
 
-    fn deserialize_newtype_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        visitor: V,
-    ) -> Result<V::Value, Fault> {
+    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> Result<V::Value, Fault> {
         visitor.visit_newtype_struct(self)
     }
 
@@ -117,15 +107,9 @@ impl<'de> Deserializer<'de> for Node<'de> {
         }
     }
 
-    fn deserialize_tuple<V: Visitor<'de>>(
-        self,
-        length: usize,
-        visitor: V,
-    ) -> Result<V::Value, Fault> {
+    fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, Fault> {
         match self.0 {
-            DeValue::Array(array) if array.len() == length => {
-                visitor.visit_seq(Items(array.iter().enumerate()))
-            }
+            DeValue::Array(array) if array.len() == length => visitor.visit_seq(Items(array.iter().enumerate())),
             DeValue::Array(array) => {
                 let (expected, found) = (length, array.len());
                 Err(Fault::new(Kind::WrongLength { expected, found }))
@@ -139,10 +123,7 @@ impl<'de> Deserializer<'de> for Node<'de> {
             DeValue::Table(table) => {
                 let entries = table.iter();
                 let rest = entries.map(|(key, value)| (key.get_ref().as_ref(), value.get_ref()));
-                visitor.visit_map(Entries {
-                    rest,
-                    current: None,
-                })
+                visitor.visit_map(Entries { rest, current: None })
             }
             _ => Err(self.is_not("a table")),
         }
@@ -184,17 +165,12 @@ where
 {
     type Error = Fault;
 
-    fn next_element_seed<T: DeserializeSeed<'de>>(
-        &mut self,
-        seed: T,
-    ) -> Result<Option<T::Value>, Fault> {
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Fault> {
         let Some((index, value)) = self.0.next() else {
             return Ok(None);
         };
         let element = seed.deserialize(Node(value.get_ref()));
-        element
-            .map(Some)
-            .map_err(|fault| fault.inside(Step::Index(index)))
+        element.map(Some).map_err(|fault| fault.inside(Step::Index(index)))
     }
 }
 
@@ -210,10 +186,7 @@ where
 {
     type Error = Fault;
 
-    fn next_key_seed<K: DeserializeSeed<'de>>(
-        &mut self,
-        seed: K,
-    ) -> Result<Option<K::Value>, Fault> {
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Fault> {
         self.current = self.rest.next();
         let Some((key, _)) = self.current else {
             return Ok(None);

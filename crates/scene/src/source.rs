@@ -22,10 +22,7 @@ impl<'a> Document<'a> {
     pub(crate) fn parse(text: &'a str, name: &'a str) -> Result<Self, SceneError> {
         let lines = Lines::new(text, name);
         match DeTable::parse(text) {
-            Ok(table) => Ok(Self {
-                lines,
-                root: DeValue::Table(table.into_inner()),
-            }),
+            Ok(table) => Ok(Self { lines, root: DeValue::Table(table.into_inner()) }),
             Err(error) => Err(lines.syntax_error(&error)),
         }
     }
@@ -73,11 +70,7 @@ impl<'a> Document<'a> {
 }
 
 /// The value that `step` leads to, and its span or that of its key.
-fn child<'d, 'a>(
-    value: &'d DeValue<'a>,
-    step: &Step,
-    about_key: bool,
-) -> Option<(&'d DeValue<'a>, Range<usize>)> {
+fn child<'d, 'a>(value: &'d DeValue<'a>, step: &Step, about_key: bool) -> Option<(&'d DeValue<'a>, Range<usize>)> {
     match (value, step) {
         (DeValue::Table(table), Step::Key(key)) => {
             let (key, value) = table.get_key_value(key.as_str())?;
@@ -115,12 +108,7 @@ impl<'a> Lines<'a> {
         let start = self.starts[line - 1];
         let before = self.text.get(start..offset).unwrap_or_default();
         let column = before.trim_start_matches('\u{feff}').chars().count() + 1;
-        SceneError {
-            file: self.name.to_string(),
-            line,
-            column,
-            message,
-        }
+        SceneError { file: self.name.to_string(), line, column, message }
     }
 
     fn syntax_error(&self, error: &toml::de::Error) -> SceneError {

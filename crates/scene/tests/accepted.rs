@@ -3,9 +3,7 @@
 mod common;
 
 use common::{EXAMPLE, check_invariants, reference_scene};
-use raggio_scene::{
-    Camera, Environment, Filter, Geometry, Material, Reflection, RenderSettings, Scene, Shape, Vec3,
-};
+use raggio_scene::{Camera, Environment, Filter, Geometry, Material, Reflection, RenderSettings, Scene, Shape, Vec3};
 
 const HEAD: &str = "version = 1
 [camera]
@@ -47,12 +45,7 @@ fn the_example_with_every_key() {
         },
         environment: Environment::Constant(Vec3::new(0.7, 0.8, 1.0)),
         materials: vec![
-            Material {
-                color: Vec3::ONE,
-                smoothness: 1.0,
-                refractive_index: Some(1.5),
-                ..material("glass")
-            },
+            Material { color: Vec3::ONE, smoothness: 1.0, refractive_index: Some(1.5), ..material("glass") },
             material("matt white"),
         ],
         shapes: example_shapes(),
@@ -63,49 +56,27 @@ fn the_example_with_every_key() {
 }
 
 fn example_shapes() -> Vec<Shape> {
-    let sphere = Geometry::Sphere {
-        center: Vec3::Y,
-        radius: 1.0,
-    };
-    let plane = Geometry::Plane {
-        point: Vec3::ZERO,
-        normal: Vec3::Y,
-    };
-    let rectangle = Geometry::Rectangle {
-        corner: Vec3::ZERO,
-        edge_u: Vec3::X,
-        edge_v: Vec3::Z,
-    };
+    let sphere = Geometry::Sphere { center: Vec3::Y, radius: 1.0 };
+    let plane = Geometry::Plane { point: Vec3::ZERO, normal: Vec3::Y };
+    let rectangle = Geometry::Rectangle { corner: Vec3::ZERO, edge_u: Vec3::X, edge_v: Vec3::Z };
     let cuboid = Geometry::Box {
         center: Vec3::new(1.0, 2.0, 3.0),
         size: Vec3::new(1.0, 2.0, 3.0),
         rotation_degrees: Vec3::new(10.0, 20.0, 30.0),
     };
     let shapes = [(0, sphere), (1, plane), (1, rectangle), (1, cuboid)];
-    shapes
-        .map(|(material, geometry)| Shape { material, geometry })
-        .to_vec()
+    shapes.map(|(material, geometry)| Shape { material, geometry }).to_vec()
 }
 
 #[test]
 fn every_reference_scene() {
-    let shapes = [
-        ("cornell", 8),
-        ("lamp", 3),
-        ("nested", 4),
-        ("spheres", 4),
-        ("weekend", 487),
-    ];
+    let shapes = [("cornell", 8), ("lamp", 3), ("nested", 4), ("spheres", 4), ("weekend", 487)];
     for (name, count) in shapes {
         let scene = Scene::load(&reference_scene(name)).unwrap();
         check_invariants(&scene);
         assert_eq!(scene.shapes.len(), count, "{name}");
         assert_eq!(scene.warnings, [""; 0], "{name}");
-        assert_eq!(
-            (scene.render.width, scene.render.height),
-            (128, 96),
-            "{name}"
-        );
+        assert_eq!((scene.render.width, scene.render.height), (128, 96), "{name}");
     }
 }
 
@@ -142,13 +113,7 @@ fn every_setting() {
 fn gradient() {
     let scene = parse("[environment]\nhorizon = [1, 1, 1]\nzenith = [0.5, 0.75, 1e3]\n");
     let zenith = Vec3::new(0.5, 0.75, 1e3);
-    assert_eq!(
-        scene.environment,
-        Environment::Gradient {
-            horizon: Vec3::ONE,
-            zenith
-        }
-    );
+    assert_eq!(scene.environment, Environment::Gradient { horizon: Vec3::ONE, zenith });
     assert_eq!(scene.warnings, [""; 0]);
 }
 
@@ -171,9 +136,7 @@ fn materials_keep_the_order_of_the_file() {
 
 #[test]
 fn a_dielectric() {
-    let scene = parse(
-        "[materials.water]\nrefractive_index = 1.33\nreflection = 0.25\npriority = -2147483648\n",
-    );
+    let scene = parse("[materials.water]\nrefractive_index = 1.33\nreflection = 0.25\npriority = -2147483648\n");
     let water = &scene.materials[0];
     assert_eq!(water.refractive_index, Some(1.33));
     assert_eq!(water.reflection, Reflection::Probability(0.25));
@@ -210,9 +173,7 @@ fn windows_line_ends_and_a_byte_order_mark() {
 
 #[test]
 fn warnings_of_a_dielectrics_keys_on_an_opaque_material() {
-    let scene = parse(
-        "[environment]\ncolor = [1, 1, 1]\n[materials.\"a b\"]\npriority = 1\nreflection = 0.5\n",
-    );
+    let scene = parse("[environment]\ncolor = [1, 1, 1]\n[materials.\"a b\"]\npriority = 1\nreflection = 0.5\n");
     assert_eq!(
         scene.warnings,
         [
@@ -244,9 +205,7 @@ fn warnings_of_darkness() {
 
 #[test]
 fn warnings_end() {
-    let materials: String = (0..300)
-        .map(|i| format!("[materials.m{i}]\npriority = 1\n"))
-        .collect();
+    let materials: String = (0..300).map(|i| format!("[materials.m{i}]\npriority = 1\n")).collect();
     let scene = parse(&materials);
     assert_eq!(scene.warnings.len(), 101);
     assert_eq!(scene.warnings[100], "scene.toml: 201 more warnings");

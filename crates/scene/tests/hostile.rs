@@ -23,15 +23,9 @@ fn read(text: &str) {
 
 /// An error is one line of moderate length about a place that exists.
 fn check_error(error: &raggio_scene::SceneError, text: &str) {
-    assert!(
-        (1..=text.matches('\n').count() + 1).contains(&error.line),
-        "{error}"
-    );
+    assert!((1..=text.matches('\n').count() + 1).contains(&error.line), "{error}");
     let line = text.split('\n').nth(error.line - 1).unwrap();
-    assert!(
-        (1..=line.chars().count() + 1).contains(&error.column),
-        "{error}"
-    );
+    assert!((1..=line.chars().count() + 1).contains(&error.column), "{error}");
     assert!(!error.message.contains(char::is_control), "{error:?}");
     assert!(error.message.len() < 2000, "{error}");
 }
@@ -311,35 +305,21 @@ fn large_files() {
     read(&many_shapes);
     read(&format!("{many_shapes}[[shapes]]\nmaterial = \"glas\"\n"));
 
-    let materials: String = (0..20_000)
-        .map(|i| format!("[materials.m{i}]\npriority = 1\n"))
-        .collect();
+    let materials: String = (0..20_000).map(|i| format!("[materials.m{i}]\npriority = 1\n")).collect();
     read(&format!("{EXAMPLE}{materials}"));
-    read(&format!(
-        "{EXAMPLE}{materials}[[shapes]]\nmaterial = \"m\"\n"
-    ));
+    read(&format!("{EXAMPLE}{materials}[[shapes]]\nmaterial = \"m\"\n"));
 
-    let inline: String = (0..20_000)
-        .map(|i| format!("m{i} = {{ priority = 1 }}, "))
-        .collect();
-    let camera =
-        "camera = { position = [0, 1, 4], look_at = [0, 1, 0], vertical_fov_degrees = 40 }";
-    read(&format!(
-        "version = 1\n{camera}\nmaterials = {{ {inline} }}"
-    ));
+    let inline: String = (0..20_000).map(|i| format!("m{i} = {{ priority = 1 }}, ")).collect();
+    let camera = "camera = { position = [0, 1, 4], look_at = [0, 1, 0], vertical_fov_degrees = 40 }";
+    read(&format!("version = 1\n{camera}\nmaterials = {{ {inline} }}"));
 }
 
 #[test]
 fn long_names() {
     let name = "x".repeat(1_000_000);
     read(&format!("{EXAMPLE}{name} = 1\n"));
-    read(&format!(
-        "{EXAMPLE}[materials.{name}]\n[[shapes]]\nmaterial = \"{name}y\"\n"
-    ));
-    read(&format!(
-        "{EXAMPLE}[[shapes]]\nmaterial = \"{}\"\n",
-        "ß\u{1b}".repeat(100_000)
-    ));
+    read(&format!("{EXAMPLE}[materials.{name}]\n[[shapes]]\nmaterial = \"{name}y\"\n"));
+    read(&format!("{EXAMPLE}[[shapes]]\nmaterial = \"{}\"\n", "ß\u{1b}".repeat(100_000)));
     read(&EXAMPLE.replace("1280", &"9".repeat(1_000_000)));
     read(&EXAMPLE.replace("0.7", &format!("0.{}", "7".repeat(1_000_000))));
     read(&EXAMPLE.replace("\"box\"", &format!("\"{name}\"")));

@@ -25,10 +25,7 @@ fn error(path: &Path) -> SceneError {
 fn the_name_in_messages_is_the_path() {
     let path = folder("named").join("scene.toml");
     fs::write(&path, EXAMPLE.replace("look_at", "lookat")).unwrap();
-    let expected = format!(
-        "{}:12:1: unknown key `lookat` in [camera]: did you mean `look_at`?",
-        path.display()
-    );
+    let expected = format!("{}:12:1: unknown key `lookat` in [camera]: did you mean `look_at`?", path.display());
     assert_eq!(error(&path).to_string(), expected);
 }
 
@@ -43,10 +40,7 @@ fn a_file_that_is_not_there() {
 #[test]
 fn a_folder() {
     let path = folder("folder");
-    assert_eq!(
-        error(&path).message,
-        "is a folder: give a `.toml` scene file"
-    );
+    assert_eq!(error(&path).message, "is a folder: give a `.toml` scene file");
 }
 
 #[test]
@@ -58,10 +52,7 @@ fn a_file_below_a_file() {
 #[test]
 fn a_file_beyond_all_size() {
     let path = folder("large").join("large.toml");
-    fs::File::create(&path)
-        .unwrap()
-        .set_len((64 << 20) + 1)
-        .unwrap();
+    fs::File::create(&path).unwrap().set_len((64 << 20) + 1).unwrap();
     let expected = "is larger than 64 MiB, the most a scene file may have";
     assert_eq!(error(&path).message, expected);
     fs::remove_file(&path).unwrap();
@@ -73,23 +64,13 @@ fn bytes_that_are_not_utf8() {
     fs::write(&path, b"version = 1\n# gr\xfc\xdfe\n").unwrap();
     let error = error(&path);
     assert_eq!((error.line, error.column), (2, 5));
-    assert_eq!(
-        error.message,
-        "the byte 0xfc is not valid UTF-8: save the file as UTF-8"
-    );
+    assert_eq!(error.message, "the byte 0xfc is not valid UTF-8: save the file as UTF-8");
 }
 
 #[test]
 fn meshes() {
-    for name in [
-        "bunny.ply",
-        "helmet.GLB",
-        "helmet.gltf",
-        "/nowhere/teapot.obj",
-    ] {
-        let expected = format!(
-            "{name}: triangle meshes are not in this version of raggio: give a `.toml` scene"
-        );
+    for name in ["bunny.ply", "helmet.GLB", "helmet.gltf", "/nowhere/teapot.obj"] {
+        let expected = format!("{name}: triangle meshes are not in this version of raggio: give a `.toml` scene");
         assert_eq!(error(Path::new(name)).to_string(), expected);
     }
 }

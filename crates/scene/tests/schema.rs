@@ -10,11 +10,7 @@ fn schema() -> Value {
 }
 
 fn json_of(toml_text: &str) -> Value {
-    value(
-        &toml::de::DeTable::parse(toml_text)
-            .map(|it| toml::de::DeValue::Table(it.into_inner()))
-            .unwrap(),
-    )
+    value(&toml::de::DeTable::parse(toml_text).map(|it| toml::de::DeValue::Table(it.into_inner())).unwrap())
 }
 
 fn value(node: &toml::de::DeValue<'_>) -> Value {
@@ -28,9 +24,7 @@ fn value(node: &toml::de::DeValue<'_>) -> Value {
         DeValue::Array(array) => array.iter().map(|it| value(it.get_ref())).collect(),
         DeValue::Table(table) => {
             let entries = table.iter();
-            entries
-                .map(|(key, it)| (key.get_ref().to_string(), value(it.get_ref())))
-                .collect()
+            entries.map(|(key, it)| (key.get_ref().to_string(), value(it.get_ref()))).collect()
         }
     }
 }
@@ -39,17 +33,9 @@ fn value(node: &toml::de::DeValue<'_>) -> Value {
 fn it_is_a_schema_and_introduces_itself() {
     let schema = schema();
     assert!(jsonschema::meta::is_valid(&schema));
-    assert_eq!(
-        schema["$schema"],
-        "https://json-schema.org/draft/2020-12/schema"
-    );
+    assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
     assert_eq!(schema["title"], "raggio scene");
-    assert!(
-        schema["description"]
-            .as_str()
-            .unwrap()
-            .starts_with("A scene for raggio")
-    );
+    assert!(schema["description"].as_str().unwrap().starts_with("A scene for raggio"));
     assert_eq!(schema.get("$id"), None);
     assert!(!raggio_scene::schema().contains("null"));
 }
@@ -62,10 +48,9 @@ fn it_accepts_what_the_reader_accepts() {
         let text = std::fs::read_to_string(reference_scene(name)).unwrap();
         validator.validate(&json_of(&text)).unwrap();
     }
-    let changed = EXAMPLE.replace("\"fresnel\"", "0.5").replace(
-        "color = [0.7, 0.8, 1.0]",
-        "horizon = [1, 1, 1]\nzenith = [0, 0, 1]",
-    );
+    let changed = EXAMPLE
+        .replace("\"fresnel\"", "0.5")
+        .replace("color = [0.7, 0.8, 1.0]", "horizon = [1, 1, 1]\nzenith = [0, 0, 1]");
     validator.validate(&json_of(&changed)).unwrap();
 }
 
@@ -82,10 +67,7 @@ const WRONG: &[(&str, &str)] = &[
     ("position = [0, 1, 4]", ""),
     ("[environment]\ncolor = [0.7, 0.8, 1.0]", "[environment]"),
     ("color = [0.7, 0.8, 1.0]", "horizon = [1, 1, 1]"),
-    (
-        "color = [0.7, 0.8, 1.0]",
-        "color = [1, 1, 1]\nhorizon = [1, 1, 1]",
-    ),
+    ("color = [0.7, 0.8, 1.0]", "color = [1, 1, 1]\nhorizon = [1, 1, 1]"),
     ("color = [1, 1, 1]\nemission", "color = [1, 1, 2]\nemission"),
     ("emission_strength = 0", "emission_strength = -1"),
     ("smoothness = 1", "smoothness = 2"),
@@ -97,10 +79,7 @@ const WRONG: &[(&str, &str)] = &[
     ("sphere = { center = [0, 1, 0], radius = 1 }", ""),
     ("size = [1, 2, 3]", "size = [1, 0, 3]"),
     ("[[shapes]]\nmaterial = \"glass\"", "[[shapes]]"),
-    (
-        "sphere = {",
-        "plane = { point = [0, 0, 0], normal = [0, 1, 0] }\nsphere = {",
-    ),
+    ("sphere = {", "plane = { point = [0, 0, 0], normal = [0, 1, 0] }\nsphere = {"),
 ];
 
 #[test]
@@ -109,10 +88,7 @@ fn it_refuses_what_the_reader_refuses() {
     for (right, wrong) in WRONG {
         let text = EXAMPLE.replacen(right, wrong, 1);
         assert_ne!(text, EXAMPLE, "{right}");
-        assert!(
-            raggio_scene::Scene::parse(&text, "scene.toml").is_err(),
-            "{wrong}"
-        );
+        assert!(raggio_scene::Scene::parse(&text, "scene.toml").is_err(), "{wrong}");
         assert!(!validator.is_valid(&json_of(&text)), "{wrong}");
     }
 }

@@ -85,8 +85,7 @@ impl Module {
             .name(&entry);
         let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(self.layout)];
         // SAFETY: module and layout belong to this device and outlive the pipeline.
-        let created =
-            unsafe { self.device.raw.create_compute_pipelines(vk::PipelineCache::null(), &info, None) };
+        let created = unsafe { self.device.raw.create_compute_pipelines(vk::PipelineCache::null(), &info, None) };
         let raw = created.map_err(|(_, result)| result).during("vkCreateComputePipelines")?[0];
         Ok(Pipeline { raw, module: self.clone() })
     }

@@ -8,6 +8,11 @@ pub enum VulkanError {
         "there is no Vulkan loader on this machine (Debian and Ubuntu: apt install libvulkan1; Fedora: dnf install vulkan-loader)"
     )]
     NoLoader,
+    /// The loader found no driver.
+    #[error(
+        "no Vulkan driver is installed: install your graphics card's, or Mesa's (Debian and Ubuntu: apt install mesa-vulkan-drivers)"
+    )]
+    NoDriver,
     /// Validation was asked for and cannot be had.
     #[error(
         "RAGGIO_VALIDATE=1 needs the Vulkan validation layers (Debian and Ubuntu: apt install vulkan-validationlayers)"
@@ -58,6 +63,7 @@ impl<T> During<T> for Result<T, vk::Result> {
     fn during(self, call: &'static str) -> Result<T, VulkanError> {
         self.map_err(|result| match result {
             vk::Result::ERROR_DEVICE_LOST => VulkanError::DeviceLost,
+            vk::Result::ERROR_INCOMPATIBLE_DRIVER => VulkanError::NoDriver,
             vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
                 VulkanError::OutOfMemory(call.into())
             }

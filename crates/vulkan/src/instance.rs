@@ -75,7 +75,8 @@ impl Instance {
         let layer = c"VK_LAYER_KHRONOS_validation";
         if validate {
             // SAFETY: no arguments; the result is owned.
-            let layers = unsafe { entry.enumerate_instance_layer_properties() }.during("vkEnumerateInstanceLayerProperties")?;
+            let layers =
+                unsafe { entry.enumerate_instance_layer_properties() }.during("vkEnumerateInstanceLayerProperties")?;
             if !layers.iter().any(|l| l.layer_name_as_c_str() == Ok(layer)) {
                 return Err(VulkanError::NoValidationLayers);
             }
@@ -130,7 +131,8 @@ impl Instance {
     fn describe(&self, index: usize, handle: vk::PhysicalDevice) -> PhysicalDevice {
         let mut driver = vk::PhysicalDeviceDriverProperties::default();
         let mut maintenance = vk::PhysicalDeviceMaintenance3Properties::default();
-        let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver).push_next(&mut maintenance);
+        let mut properties =
+            vk::PhysicalDeviceProperties2::default().push_next(&mut driver).push_next(&mut maintenance);
         let mut vulkan12 = vk::PhysicalDeviceVulkan12Features::default();
         let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut vulkan12);
         // SAFETY: `handle` came from this instance. Devices of Vulkan 1.0 ignore chained structures they do not know.
@@ -210,9 +212,7 @@ fn listen(
 ) -> Result<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT), VulkanError> {
     let loader = ext::debug_utils::Instance::new(entry, instance);
     let info = vk::DebugUtilsMessengerCreateInfoEXT::default()
-        .message_severity(
-            vk::DebugUtilsMessageSeverityFlagsEXT::WARNING | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR,
-        )
+        .message_severity(vk::DebugUtilsMessageSeverityFlagsEXT::WARNING | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR)
         .message_type(
             vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION
                 | vk::DebugUtilsMessageTypeFlagsEXT::GENERAL
@@ -221,7 +221,8 @@ fn listen(
         .pfn_user_callback(Some(on_message))
         .user_data(std::ptr::from_ref(messages).cast_mut().cast());
     // SAFETY: `messages` is boxed and outlives the messenger (see `Drop`); the callback has the right signature.
-    let messenger = unsafe { loader.create_debug_utils_messenger(&info, None) }.during("vkCreateDebugUtilsMessengerEXT")?;
+    let messenger =
+        unsafe { loader.create_debug_utils_messenger(&info, None) }.during("vkCreateDebugUtilsMessengerEXT")?;
     Ok((loader, messenger))
 }
 

@@ -25,27 +25,17 @@ pub(super) fn shape(
     let material = material.ok_or_else(|| unknown_material(index, &file.material, materials))?;
     refuse_mesh(index, file)?;
     refuse_two(index, file)?;
-    Ok(Shape {
-        material,
-        geometry: geometry(index, file)?,
-    })
+    Ok(Shape { material, geometry: geometry(index, file)? })
 }
 
 fn unknown_material(index: usize, name: &str, materials: &Materials) -> Fault {
     let known: Vec<&str> = materials.0.iter().map(|(name, _)| name.as_str()).collect();
     let hint = if known.is_empty() {
-        format!(
-            "the scene has no materials, so add [materials.{}]",
-            names::key(name)
-        )
+        format!("the scene has no materials, so add [materials.{}]", names::key(name))
     } else {
         names::hint(name, &known)
     };
-    let message = format!(
-        "unknown material {} in shape {}: {hint}",
-        names::quoted(name),
-        index + 1
-    );
+    let message = format!("unknown material {} in shape {}: {hint}", names::quoted(name), index + 1);
     Fault::value(steps!["shapes", index, "material"], message)
 }
 
@@ -65,17 +55,11 @@ fn refuse_two(index: usize, file: &ShapeFile) -> Result<(), Fault> {
         ("rectangle", file.rectangle.is_some()),
         ("box", file.cuboid.is_some()),
     ];
-    let mut given = given
-        .iter()
-        .filter(|(_, is_given)| *is_given)
-        .map(|(key, _)| *key);
+    let mut given = given.iter().filter(|(_, is_given)| *is_given).map(|(key, _)| *key);
     let (Some(first), Some(second)) = (given.next(), given.next()) else {
         return Ok(());
     };
-    let message = format!(
-        "shape {} has both `{first}` and `{second}`: write a `[[shapes]]` for each",
-        index + 1
-    );
+    let message = format!("shape {} has both `{first}` and `{second}`: write a `[[shapes]]` for each", index + 1);
     Err(Fault::key(steps!["shapes", index, second], message))
 }
 
@@ -90,27 +74,18 @@ fn geometry(index: usize, file: &ShapeFile) -> Result<Geometry, Fault> {
     } else if let Some(cuboid) = &file.cuboid {
         Ok(self::cuboid(cuboid))
     } else {
-        let message = format!(
-            "shape {} has no geometry: give it `sphere`, `plane`, `rectangle` or `box`",
-            index + 1
-        );
+        let message = format!("shape {} has no geometry: give it `sphere`, `plane`, `rectangle` or `box`", index + 1);
         Err(Fault::value(steps!["shapes", index], message))
     }
 }
 
 fn sphere(file: &SphereFile) -> Geometry {
-    Geometry::Sphere {
-        center: vec3(file.center),
-        radius: file.radius.0 as f32,
-    }
+    Geometry::Sphere { center: vec3(file.center), radius: file.radius.0 as f32 }
 }
 
 fn plane(file: &PlaneFile, at: Vec<Step>) -> Result<Geometry, Fault> {
     let normal = not_zero(dvec3(file.normal), &at, "normal")?;
-    Ok(Geometry::Plane {
-        point: vec3(file.point),
-        normal: normal.normalize().as_vec3(),
-    })
+    Ok(Geometry::Plane { point: vec3(file.point), normal: normal.normalize().as_vec3() })
 }
 
 fn rectangle(file: &RectangleFile, at: Vec<Step>) -> Result<Geometry, Fault> {
@@ -121,19 +96,11 @@ fn rectangle(file: &RectangleFile, at: Vec<Step>) -> Result<Geometry, Fault> {
         let message = not_perpendicular(edge_u, edge_v, &at);
         return Err(Fault::value(below(&at, "edge_v"), message));
     }
-    Ok(Geometry::Rectangle {
-        corner: vec3(file.corner),
-        edge_u: edge_u.as_vec3(),
-        edge_v: edge_v.as_vec3(),
-    })
+    Ok(Geometry::Rectangle { corner: vec3(file.corner), edge_u: edge_u.as_vec3(), edge_v: edge_v.as_vec3() })
 }
 
 fn cuboid(file: &BoxFile) -> Geometry {
-    Geometry::Box {
-        center: vec3(file.center),
-        size: vec3(file.size),
-        rotation_degrees: vec3(file.rotation_degrees),
-    }
+    Geometry::Box { center: vec3(file.center), size: vec3(file.size), rotation_degrees: vec3(file.rotation_degrees) }
 }
 
 fn below(at: &[Step], key: &str) -> Vec<Step> {

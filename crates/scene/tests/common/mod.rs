@@ -121,24 +121,13 @@ fn check_geometry(geometry: &Geometry) {
         Geometry::Plane { point, normal } => {
             assert!(point.is_finite() && normal.is_normalized(), "{geometry:?}");
         }
-        Geometry::Rectangle {
-            corner,
-            edge_u,
-            edge_v,
-        } => {
+        Geometry::Rectangle { corner, edge_u, edge_v } => {
             assert!(corner.is_finite(), "{geometry:?}");
             let cosine = edge_u.normalize().dot(edge_v.normalize());
             assert!(cosine.abs() < 1.1e-4, "{geometry:?}");
         }
-        Geometry::Box {
-            center,
-            size,
-            rotation_degrees,
-        } => {
-            assert!(
-                center.is_finite() && rotation_degrees.is_finite(),
-                "{geometry:?}"
-            );
+        Geometry::Box { center, size, rotation_degrees } => {
+            assert!(center.is_finite() && rotation_degrees.is_finite(), "{geometry:?}");
             assert!(size.is_finite() && size.min_element() > 0.0, "{geometry:?}");
         }
     }

@@ -22,9 +22,7 @@ fn check(cases: &[Case]) {
             Err(error) => error.to_string(),
         };
         if message != *expected {
-            failures.push(format!(
-                "{name}\n  expected {expected}\n  found    {message}"
-            ));
+            failures.push(format!("{name}\n  expected {expected}\n  found    {message}"));
         }
     }
     assert!(failures.is_empty(), "\n{}", failures.join("\n"));

@@ -1,0 +1,56 @@
+//! Runs the program as a user would.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// The program, in `folder`, on the CPU unless the arguments say otherwise.
+pub fn raggio(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_raggio")).args(arguments).current_dir(folder).output().expect("raggio starts")
+}
+
+/// A file of the project.
+#[allow(dead_code)] // Not every test file uses every helper.
+pub fn project_file(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)
+}
+
+pub fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("output is UTF-8")
+}
+
+/// A small scene that renders at once.
+#[allow(dead_code)]
+pub const SCENE: &str = r#"version = 1
+[render]
+width = 32
+height = 24
+samples = 4
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[environment]
+color = [0.7, 0.8, 1.0]
+[materials.clay]
+color = [0.8, 0.4, 0.2]
+[[shapes]]
+material = "clay"
+sphere = { center = [0, 1, 0], radius = 1 }
+"#;
+
+/// A folder of its own with `scene.toml` in it.
+#[allow(dead_code)]
+pub fn folder_with(scene: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("scene.toml"), scene).expect("the scene is written");
+    folder
+}
+
+/// Asserts that the program refused its input: status 2, nothing on standard output, `message` on standard error.
+#[allow(dead_code)]
+pub fn assert_refused(output: &Output, message: &str) {
+    let errors = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "stderr: {errors}");
+    assert_eq!(text(&output.stdout), "");
+    assert!(errors.contains(message), "expected `{message}` in:\n{errors}");
+}

@@ -1,0 +1,111 @@
+//! Wrong input: status 2, one sentence, no panic, nothing written.
+
+mod common;
+
+use std::path::Path;
+
+use common::{SCENE, assert_refused, folder_with, raggio, text};
+
+#[test]
+fn scene_errors_name_file_line_and_remedy() {
+    let folder = folder_with(&SCENE.replace("color = [0.8, 0.4, 0.2]", "colour = [0.8, 0.4, 0.2]"));
+    for command in ["render", "check"] {
+        let output = raggio(folder.path(), &[command, "scene.toml"]);
+        assert_refused(
+            &output,
+            "error: scene.toml:13:1: unknown key `colour` in [materials.clay]: did you mean `color`?",
+        );
+        assert_eq!(text(&output.stderr).lines().count(), 1, "one sentence");
+    }
+    assert!(!folder.path().join("scene.png").exists());
+}
+
+#[test]
+fn a_missing_scene_is_named() {
+    let folder = folder_with(SCENE);
+    assert_refused(&raggio(folder.path(), &["render", "nothing.toml"]), "nothing.toml: ");
+    assert_refused(&raggio(folder.path(), &["check", "."]), ".: ");
+}
+
+#[test]
+fn meshes_are_told_apart_from_scenes() {
+    let folder = folder_with(SCENE);
+    std::fs::write(folder.path().join("bunny.ply"), "ply").expect("a file");
+    assert_refused(&raggio(folder.path(), &["render", "bunny.ply"]), "bunny.ply: ");
+}
+
+#[test]
+fn wrong_arguments_are_explained() {
+    let folder = folder_with(SCENE);
+    let refused = |arguments: &[&str], message: &str| {
+        assert_refused(&raggio(folder.path(), &[&["render", "scene.toml"], arguments].concat()), message);
+    };
+    refused(&["--size", "12"], "give width and height in pixels, each 1 to 65536, as in 1280x720");
+    refused(&["--size", "0x5"], "give width and height in pixels");
+    refused(&["--samples", "0"], "0 is not in 1..");
+    refused(&["--samples", "-3"], "-3");
+    refused(&["--max-depth", "0"], "0 is not in 1..");
+    refused(&["--threads", "0"], "0 is not in 1..");
+    refused(&["--seed", "x"], "'x'");
+    refused(&["--device", "gpu"], "give auto, cpu, vulkan or vulkan:N, with N as in `raggio devices`");
+    refused(&["--device", "vulkan:x"], "give auto, cpu, vulkan or vulkan:N");
+    refused(&["--exposure", "nan"], "--exposure must be a finite number of stops");
+    refused(&["--integrator", "magic"], "possible values: reference");
+    refused(&["--sampels", "3"], "'--samples'");
+    assert!(!folder.path().join("scene.png").exists());
+}
+
+#[test]
+fn an_image_larger_than_memory_is_refused() {
+    let folder = folder_with(SCENE);
+    let output = raggio(folder.path(), &["render", "scene.toml", "--device", "cpu", "--size", "65536x65536"]);
+    assert_refused(&output, "an image of 65536x65536 pixels needs 576.0 GiB of memory, and this machine has ");
+}
+
+#[test]
+fn a_device_that_is_not_there_is_status_3() {
+    let folder = folder_with(SCENE);
+    let output = raggio(folder.path(), &["render", "scene.toml", "--device", "vulkan:99"]);
+    assert_eq!(output.status.code(), Some(3));
+    let said = text(&output.stderr);
+    assert!(said.starts_with("error: ") && said.lines().count() == 1, "{said}");
+    assert!(!folder.path().join("scene.png").exists());
+}
+
+#[test]
+fn too_many_media_around_the_camera_are_refused() {
+    let sphere = |i: u32| {
+        format!(
+            "[materials.g{i}]\nrefractive_index = 1.5\n[[shapes]]\nmaterial = \"g{i}\"\nsphere = {{ center = [0, 1, 4], radius = {} }}\n",
+            i + 1
+        )
+    };
+    // TOML wants the tables of materials apart from the list of shapes only in meaning, not in order.
+    let scene: String = std::iter::once(SCENE.to_owned()).chain((0..17).map(sphere)).collect();
+    let folder = folder_with(&scene);
+    assert_refused(
+        &raggio(folder.path(), &["check", "scene.toml"]),
+        "the camera is inside 17 dielectric bodies at once, and a path can remember 16",
+    );
+}
+
+#[test]
+fn listings_go_to_standard_output() {
+    let here = Path::new(".");
+    let devices = raggio(here, &["devices"]);
+    assert!(devices.status.success());
+    let first = text(&devices.stdout).lines().next().unwrap_or_default().to_owned();
+    assert!(first.starts_with("cpu ") && first.ends_with("ready"), "{first}");
+
+    let schema = raggio(here, &["schema"]);
+    assert!(schema.status.success());
+    let schema: serde_json::Value = serde_json::from_str(&text(&schema.stdout)).expect("JSON");
+    assert!(schema["properties"]["camera"].is_object());
+
+    let folder = folder_with(SCENE);
+    let check = raggio(folder.path(), &["check", "scene.toml"]);
+    assert_eq!(text(&check.stdout), "scene.toml: 1 shape, 1 material, 32x24, 4 samples\n");
+
+    assert!(text(&raggio(here, &["--version"]).stdout).starts_with("raggio "));
+    assert!(text(&raggio(here, &["--help"]).stdout).contains("render"));
+}

@@ -1,0 +1,249 @@
+//! Contract 2: what `raggio render` writes and says.
+
+mod common;
+
+use std::path::Path;
+
+use common::{SCENE, assert_refused, folder_with, project_file, raggio, text};
+
+fn files_in(folder: &Path) -> Vec<String> {
+    let mut names: Vec<_> = std::fs::read_dir(folder)
+        .expect("the folder is there")
+        .map(|entry| entry.expect("an entry").file_name().into_string().expect("a name"))
+        .collect();
+    names.sort();
+    names
+}
+
+fn read_exr(path: &Path) -> (usize, usize, Vec<[f32; 3]>) {
+    let image = exr::prelude::read_first_rgba_layer_from_file(
+        path,
+        |size, _| (size.width(), size.height(), vec![[0f32; 3]; size.area()]),
+        |(width, _, pixels), position, (r, g, b, _): (f32, f32, f32, f32)| {
+            pixels[position.y() * *width + position.x()] = [r, g, b];
+        },
+    )
+    .expect("an EXR");
+    image.layer_data.channel_data.pixels
+}
+
+#[test]
+fn without_output_the_picture_is_named_after_the_scene() {
+    let folder = folder_with(SCENE);
+    let output = raggio(folder.path(), &["render", "scene.toml", "--device", "cpu"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert_eq!(files_in(folder.path()), ["scene.png", "scene.toml"]);
+    let picture = image::open(folder.path().join("scene.png")).expect("a PNG");
+    assert_eq!((picture.width(), picture.height()), (32, 24));
+}
+
+#[test]
+fn several_outputs_hold_the_same_picture() {
+    let folder = folder_with(SCENE);
+    let arguments = ["render", "scene.toml", "--device", "cpu", "-o", "a.png", "-o", "b.exr", "--tone-mapper", "none"];
+    assert!(raggio(folder.path(), &arguments).status.success());
+    assert_eq!(files_in(folder.path()), ["a.png", "b.exr", "scene.toml"]);
+
+    let (width, height, pixels) = read_exr(&folder.path().join("b.exr"));
+    assert_eq!((width, height), (32, 24));
+    // The top left pixel sees the sky alone, in linear float; (0,0) is the top left in both.
+    assert_eq!(pixels[0], [0.7, 0.8, 1.0]);
+    let png = image::open(folder.path().join("a.png")).expect("a PNG").to_rgb8();
+    // 0.7, 0.8 and 1 in sRGB.
+    assert_eq!(png.get_pixel(0, 0).0, [218, 231, 255]);
+}
+
+#[test]
+fn the_command_line_overrides_the_scene() {
+    let folder = folder_with(SCENE);
+    let arguments = [
+        "render",
+        "scene.toml",
+        "--device",
+        "cpu",
+        "--threads",
+        "1",
+        "--size",
+        "20x30",
+        "--samples",
+        "3",
+        "--max-depth",
+        "2",
+        "--seed",
+        "9",
+        "--integrator",
+        "reference",
+        "--quiet",
+        "--stats",
+        "s.json",
+        "-o",
+        "a.exr",
+    ];
+    let output = raggio(folder.path(), &arguments);
+    assert!(output.status.success());
+    assert_eq!(text(&output.stderr), "", "--quiet says nothing");
+
+    let (width, height, _) = read_exr(&folder.path().join("a.exr"));
+    assert_eq!((width, height), (20, 30));
+    let stats = std::fs::read_to_string(folder.path().join("s.json")).expect("stats");
+    let stats: serde_json::Value = serde_json::from_str(&stats).expect("JSON");
+    let keys: Vec<_> = stats.as_object().expect("an object").keys().map(String::as_str).collect();
+    assert_eq!(
+        keys,
+        [
+            "device",
+            "width",
+            "height",
+            "samples_per_pixel",
+            "max_depth",
+            "setup_seconds",
+            "render_seconds",
+            "samples_per_second",
+            "rays",
+            "rays_per_second",
+            "peak_memory_bytes",
+            "triangles",
+            "shapes",
+        ]
+    );
+    assert_eq!((&stats["width"], &stats["height"]), (&20.into(), &30.into()));
+    assert_eq!((&stats["samples_per_pixel"], &stats["max_depth"], &stats["shapes"]), (&3.into(), &2.into(), &1.into()));
+    let rays = stats["rays"].as_u64().expect("a count");
+    // At least the camera's ray of each sample, at most one more.
+    assert!((1800..=3600).contains(&rays), "{rays} rays");
+}
+
+#[test]
+fn size_keeps_the_vertical_field_of_view() {
+    let folder = folder_with(SCENE);
+    let heights: Vec<_> = ["32x24", "64x24"]
+        .iter()
+        .map(|size| {
+            let arguments = ["render", "scene.toml", "--device", "cpu", "--size", size, "-o", "a.exr"];
+            assert!(raggio(folder.path(), &arguments).status.success());
+            let (width, height, pixels) = read_exr(&folder.path().join("a.exr"));
+            // Rows in which the middle column sees the sphere, which is not as blue as the sky.
+            (0..height).filter(|y| pixels[y * width + width / 2][2] < 0.9).count()
+        })
+        .collect();
+    assert_eq!(heights[0], heights[1]);
+    assert!(heights[0] > 5);
+}
+
+#[test]
+fn exposure_brightens_the_png_alone() {
+    let folder = folder_with(SCENE);
+    let scene = ["render", "scene.toml", "--device", "cpu", "--tone-mapper", "none"];
+    let plain = [&scene[..], &["-o", "a.png", "-o", "a.exr"]].concat();
+    let darker = [&scene[..], &["--exposure", "-1", "-o", "b.png", "-o", "b.exr"]].concat();
+    assert!(raggio(folder.path(), &plain).status.success());
+    assert!(raggio(folder.path(), &darker).status.success());
+    let read = |name| std::fs::read(folder.path().join(name)).expect("a file");
+    assert_eq!(read("a.exr"), read("b.exr"));
+    let png = image::open(folder.path().join("b.png")).expect("a PNG").to_rgb8();
+    // 0.35, 0.4 and 0.5 in sRGB.
+    assert_eq!(png.get_pixel(0, 0).0, [160, 170, 188]);
+}
+
+#[test]
+fn progress_is_plain_lines_where_there_is_no_terminal() {
+    let folder = folder_with(SCENE);
+    let output = raggio(folder.path(), &["render", "scene.toml", "--device", "cpu"]);
+    let said = text(&output.stderr);
+    assert!(said.contains("32x24, 4 samples on "), "{said}");
+    assert!(said.contains("samples/s") && said.contains("rays/s"), "{said}");
+    assert!(said.contains("wrote scene.png"), "{said}");
+    assert!(!said.contains('\u{1b}') && !said.contains('\r'), "no terminal codes: {said:?}");
+}
+
+#[test]
+fn warnings_are_told_and_do_not_stop_the_render() {
+    let folder = folder_with(&SCENE.replace("[environment]\ncolor = [0.7, 0.8, 1.0]\n", ""));
+    let output = raggio(folder.path(), &["render", "scene.toml", "--device", "cpu"]);
+    assert!(output.status.success());
+    assert!(text(&output.stderr).contains("warning: scene.toml:"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_refused_before_rendering() {
+    // So many samples that the test would not end if it rendered first.
+    let folder = folder_with(&SCENE.replace("samples = 4", "samples = 2000000000"));
+    let refused = |output: &str, message: &str| {
+        assert_refused(&raggio(folder.path(), &["render", "scene.toml", "--device", "cpu", "-o", output]), message);
+    };
+    refused("a.jpg", "a.jpg: the ending must be .png (for looking at) or .exr (linear radiance)");
+    refused("a", "a: the ending must be");
+    refused("nowhere/a.png", "cannot write nowhere/a.png: ");
+    std::fs::create_dir(folder.path().join("d.png")).expect("a folder");
+    refused("d.png", "cannot write d.png: ");
+    assert_eq!(files_in(folder.path()), ["d.png", "scene.toml"]);
+}
+
+#[test]
+fn an_existing_picture_is_replaced_whole() {
+    let folder = folder_with(SCENE);
+    std::fs::write(folder.path().join("scene.png"), "old").expect("a file");
+    assert!(raggio(folder.path(), &["render", "scene.toml", "--device", "cpu"]).status.success());
+    assert!(image::open(folder.path().join("scene.png")).is_ok());
+    assert_eq!(files_in(folder.path()), ["scene.png", "scene.toml"], "no temporary file stays behind");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_picture_can_be_read_by_whom_any_new_file_can() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder_with(SCENE);
+    assert!(raggio(folder.path(), &["render", "scene.toml", "--device", "cpu"]).status.success());
+    let mode = |name: &str| std::fs::metadata(folder.path().join(name)).expect("a file").permissions().mode() & 0o777;
+    assert_eq!(mode("scene.png"), mode("scene.toml"));
+}
+
+#[cfg(unix)]
+#[test]
+fn interrupting_writes_what_there_is() {
+    let folder = folder_with(&SCENE.replace("samples = 4", "samples = 2000000000"));
+    let child = std::process::Command::new(env!("CARGO_BIN_EXE_raggio"))
+        .args(["render", "scene.toml", "--device", "cpu", "--stats", "s.json"])
+        .current_dir(folder.path())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("raggio starts");
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    let pid = child.id().to_string();
+    assert!(std::process::Command::new("kill").args(["-INT", &pid]).status().expect("kill runs").success());
+    let output = child.wait_with_output().expect("raggio ends");
+    let said = text(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("stopped early: ") && said.contains("of 2000000000 samples per pixel"), "{said}");
+    let picture = image::open(folder.path().join("scene.png")).expect("a PNG").to_rgb8();
+    assert_ne!(picture.get_pixel(16, 23).0, [0, 0, 0], "the last row has samples too");
+    let stats = std::fs::read_to_string(folder.path().join("s.json")).expect("stats");
+    let stats: serde_json::Value = serde_json::from_str(&stats).expect("JSON");
+    assert!(stats["samples_per_pixel"].as_u64().expect("a count") > 0);
+}
+
+#[test]
+fn the_demo_writes_the_showcase() {
+    let folder = folder_with("");
+    let output = raggio(folder.path(), &["demo", "--device", "cpu", "--size", "64x36", "--samples", "2"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("wrote showcase.png"));
+    assert!(image::open(folder.path().join("showcase.png")).is_ok());
+}
+
+#[test]
+fn every_scene_of_the_project_passes_its_check() {
+    let mut checked = 0;
+    for folder in ["scenes", "scenes/notes", "scenes/reference"] {
+        for entry in std::fs::read_dir(project_file(folder)).expect("the scenes") {
+            let path = entry.expect("an entry").path();
+            if path.extension().is_some_and(|e| e == "toml") {
+                let output = raggio(Path::new("."), &["check", path.to_str().expect("a name")]);
+                assert!(output.status.success(), "{}", text(&output.stderr));
+                assert_eq!(text(&output.stderr), "", "no warnings");
+                checked += 1;
+            }
+        }
+    }
+    assert!(checked > 20, "only {checked} scenes found");
+}

@@ -1,0 +1,110 @@
+//! Whatever scene passes validation, its translation is sound: every index inside its buffer, every shape in exactly one
+//! leaf, every box around what it holds.
+
+use proptest::prelude::*;
+use raggio_render::{DeviceScene, MAX_NESTED_MEDIA, TranslationError};
+use raggio_scene::{Geometry, Material, Reflection, Scene, Shape, Vec3};
+
+/// A scene with `shapes`, the camera at (0, 0, 5).
+fn scene(shapes: Vec<Geometry>, refractive_index: Option<f32>) -> Scene {
+    let text = "version = 1\n[camera]\nposition = [0, 0, 5]\nlook_at = [0, 0, 0]\nvertical_fov_degrees = 40\n";
+    let mut scene = Scene::parse(text, "empty").expect("a scene");
+    scene.materials = vec![Material {
+        name: "any".into(),
+        color: Vec3::ONE,
+        emission_color: Vec3::ZERO,
+        emission_strength: 0.0,
+        smoothness: 0.0,
+        refractive_index,
+        reflection: Reflection::Fresnel,
+        priority: 0,
+    }];
+    scene.shapes = shapes.into_iter().map(|geometry| Shape { material: 0, geometry }).collect();
+    scene
+}
+
+fn assert_sound(scene: &Scene) {
+    let translated = DeviceScene::new(scene).expect("the scene translates");
+    let buffers = &translated.buffers;
+    buffers.check().expect("every index is inside its buffer");
+    let mut shapes = translated.shape_of_place.clone();
+    shapes.sort_unstable();
+    assert!(shapes.iter().copied().eq(0..scene.shapes.len() as u32), "every shape has one place");
+
+    let mut covered = vec![false; buffers.order.len()];
+    covered[..buffers.counts[0].unbounded as usize].fill(true);
+    for node in &buffers.nodes {
+        if node.count > 0 {
+            for place in node.first..node.first + node.count {
+                assert!(!std::mem::replace(&mut covered[place as usize], true), "place {place} is in two leaves");
+            }
+            continue;
+        }
+        for child in [node.first, node.first + 1] {
+            let child = buffers.nodes[child as usize];
+            let inside = (0..3).all(|i| node.lower[i] <= child.lower[i] && child.upper[i] <= node.upper[i]);
+            assert!(inside, "{child:?} reaches out of {node:?}");
+        }
+    }
+    assert!(covered.iter().all(|&c| c), "a shape is in no leaf");
+}
+
+fn coordinate() -> impl Strategy<Value = f32> {
+    prop_oneof![4 => -10.0f32..10.0, 1 => Just(0.0), 1 => -1e15f32..1e15, 1 => -1e-15f32..1e-15]
+}
+
+fn point() -> impl Strategy<Value = Vec3> {
+    [coordinate(), coordinate(), coordinate()].prop_map(Vec3::from)
+}
+
+fn length() -> impl Strategy<Value = f32> {
+    prop_oneof![3 => 0.01f32..10.0, 1 => 1e-15f32..1e-10, 1 => 1e10f32..1e15]
+}
+
+fn geometry() -> impl Strategy<Value = Geometry> {
+    let size = [length(), length(), length()].prop_map(Vec3::from);
+    prop_oneof![
+        (point(), length()).prop_map(|(center, radius)| Geometry::Sphere { center, radius }),
+        point().prop_map(|point| Geometry::Plane { point, normal: Vec3::Y }),
+        (point(), length(), length()).prop_map(|(corner, u, v)| Geometry::Rectangle {
+            corner,
+            edge_u: Vec3::X * u,
+            edge_v: Vec3::Z * v
+        }),
+        (point(), size, [-720.0f32..720.0, -720.0f32..720.0, -720.0f32..720.0])
+            .prop_map(|(center, size, turn)| { Geometry::Box { center, size, rotation_degrees: Vec3::from(turn) } }),
+    ]
+}
+
+proptest! {
+    #[test]
+    fn any_scene_translates(shapes in proptest::collection::vec(geometry(), 0..200)) {
+        assert_sound(&scene(shapes, None));
+    }
+
+    #[test]
+    fn any_dielectric_scene_translates_or_is_refused(shapes in proptest::collection::vec(geometry(), 0..40)) {
+        let scene = scene(shapes, Some(1.5));
+        match DeviceScene::new(&scene) {
+            Ok(_) => assert_sound(&scene),
+            Err(TranslationError::TooManyMedia { found, .. }) => prop_assert!(found > MAX_NESTED_MEDIA as usize),
+        }
+    }
+}
+
+#[test]
+fn a_chain_of_nested_bodies_does_not_make_the_hierarchy_too_deep() {
+    let spheres = (0..95).map(|i| Geometry::Sphere { center: Vec3::ZERO, radius: 1e-14 * 2f32.powi(i) });
+    assert_sound(&scene(spheres.collect(), None));
+}
+
+#[test]
+fn coincident_shapes_translate() {
+    let sphere = Geometry::Sphere { center: Vec3::ONE, radius: 1.0 };
+    assert_sound(&scene(vec![sphere; 10_000], None));
+}
+
+#[test]
+fn an_empty_scene_translates() {
+    assert_sound(&scene(vec![], None));
+}
