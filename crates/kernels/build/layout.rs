@@ -143,9 +143,9 @@ fn scene_buffers(buffers: &[Buffer]) -> Result<String, String> {
     let mut slices = String::new();
     for Buffer { name, element, .. } in buffers {
         let _ = writeln!(text, "    pub {name}: Vec<{}>,", rust_type(element)?);
-        let _ = write!(
+        let _ = writeln!(
             slices,
-            "            BufferBytes {{ name: \"{name}\", bytes: bytemuck::cast_slice(&self.{name}), count: self.{name}.len(), stride: std::mem::size_of::<{}>() }},\n",
+            "            BufferBytes {{ name: \"{name}\", bytes: bytemuck::cast_slice(&self.{name}), count: self.{name}.len(), stride: std::mem::size_of::<{}>() }},",
             rust_type(element)?
         );
     }
