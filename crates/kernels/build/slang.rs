@@ -85,7 +85,9 @@ fn find(workspace: &Path) -> Result<PathBuf, String> {
     }
     if let Some(path) = std::env::var_os("SLANGC").filter(|v| !v.is_empty()) {
         let path = PathBuf::from(path);
-        return version(&path).map(|_| path).ok_or_else(|| "$SLANGC does not name a slangc that runs".into());
+        return version(&path).map(|_| path).ok_or_else(|| {
+            "$SLANGC does not name a slangc that runs: correct it, or unset it and run `make setup`".into()
+        });
     }
 
     let mut candidates = vec![workspace.join(".venv/bin/slangc")];
