@@ -1,9 +1,7 @@
 //! Axis-aligned boxes around shapes.
 
 use glam::{DVec3, Vec3};
-use raggio_scene::Geometry;
-
-use crate::device_scene::rotation;
+use raggio_scene::{Geometry, rotation};
 
 /// Lower and upper corner of a box that contains `geometry` with room for rounding; `None` if it has no bounds.
 pub fn bounds(geometry: &Geometry) -> Option<(Vec3, Vec3)> {

@@ -1,11 +1,13 @@
 //! The one translator from a scene to what kernels read.
 
-use glam::{DMat3, DMat4, DVec3, DVec4, EulerRot, Vec3};
+use glam::{DMat4, DVec4, Vec3};
 use raggio_kernels::{
-    Box as DeviceBox, Camera as DeviceCamera, Material as DeviceMaterial, Plane, Rectangle, SceneBuffers, SceneCounts,
-    ShapeKind, ShapeReference, Sky, Sphere, Work,
+    Box as DeviceBox, Camera as DeviceCamera, MAX_NESTED_MEDIA, Material as DeviceMaterial, Plane, Rectangle,
+    SceneBuffers, SceneCounts, ShapeKind, ShapeReference, Sky, Sphere, Work,
 };
-use raggio_scene::{Camera, Environment, Filter, Geometry, Material, Reflection, RenderSettings, Scene, Shape};
+use raggio_scene::{
+    Camera, Environment, Filter, Geometry, Material, Reflection, RenderSettings, Scene, Shape, rotation,
+};
 
 use crate::bounds::bounds;
 use crate::hierarchy::Hierarchy;
@@ -42,9 +44,13 @@ impl DeviceScene {
             camera: vec![device_camera(&scene.camera, &scene.render)],
             sky: vec![device_sky(&scene.environment)],
             materials: scene.materials.iter().map(device_material).collect(),
-            camera_media: media_around(scene)?,
+            camera_media: media_around(scene),
             ..SceneBuffers::default()
         };
+        let (found, limit) = (buffers.camera_media.len(), MAX_NESTED_MEDIA as usize);
+        if found > limit {
+            return Err(TranslationError::TooManyMedia { found, limit });
+        }
         let references: Vec<_> = scene.shapes.iter().map(|shape| add_shape(&mut buffers, shape)).collect();
 
         // Shapes without bounds come first, for they are tried one by one; the others in the order of the leaves.
@@ -160,10 +166,4 @@ fn add_shape(buffers: &mut SceneBuffers, shape: &Shape) -> ShapeReference {
             push(&mut buffers.boxes, ShapeKind::Box, DeviceBox { center, half_size, axis_x, axis_y, axis_z, material })
         }
     }
-}
-
-/// Turns about the world's axes: x first, then y, then z.
-pub(crate) fn rotation(degrees: Vec3) -> DMat3 {
-    let radians: DVec3 = degrees.as_dvec3() * (std::f64::consts::PI / 180.0);
-    DMat3::from_euler(EulerRot::ZYX, radians.z, radians.y, radians.x)
 }

@@ -5,6 +5,7 @@
 //! [`ImageFile`] writes the result. Nothing above [`Device`] knows whether it is a CPU or a GPU.
 
 mod bounds;
+mod choice;
 mod cpu;
 mod device;
 mod device_scene;
@@ -15,10 +16,9 @@ mod media;
 mod renderer;
 mod vulkan;
 
+pub use choice::{DeviceChoice, OpenOptions, devices, open};
 pub use cpu::{CpuDevice, CpuOptions, total_memory_bytes};
-pub use device::{
-    Answer, Device, DeviceChoice, DeviceError, DeviceInfo, OpenOptions, Question, Session, devices, open,
-};
+pub use device::{Answer, Device, DeviceError, DeviceInfo, Question, Session};
 pub use device_scene::{DeviceScene, TranslationError};
 pub use film::{Film, Image, SizeMismatch, film_bytes};
 pub use image_file::{Display, ImageFile, OutputError, write_whole};

@@ -1,14 +1,11 @@
 //! What the camera is inside of.
 
 use glam::DVec3;
-use raggio_kernels::MAX_NESTED_MEDIA;
-use raggio_scene::{Geometry, Scene};
-
-use crate::device_scene::{TranslationError, rotation};
+use raggio_scene::{Geometry, Scene, rotation};
 
 /// Materials of the dielectric bodies that contain the camera, outermost first: in the order in which one would enter
 /// them on the way to the camera from behind it.
-pub fn media_around(scene: &Scene) -> Result<Vec<u32>, TranslationError> {
+pub fn media_around(scene: &Scene) -> Vec<u32> {
     let eye = scene.camera.position.as_dvec3();
     let backward = (eye - scene.camera.look_at.as_dvec3()).normalize_or_zero();
     let mut bodies: Vec<(f64, u32)> = scene
@@ -17,11 +14,8 @@ pub fn media_around(scene: &Scene) -> Result<Vec<u32>, TranslationError> {
         .filter(|shape| scene.materials[shape.material].refractive_index.is_some())
         .filter_map(|shape| Some((way_out(&shape.geometry, eye, backward)?, shape.material as u32)))
         .collect();
-    if bodies.len() > MAX_NESTED_MEDIA as usize {
-        return Err(TranslationError::TooManyMedia { found: bodies.len(), limit: MAX_NESTED_MEDIA as usize });
-    }
     bodies.sort_by(|a, b| b.0.total_cmp(&a.0));
-    Ok(bodies.into_iter().map(|(_, material)| material).collect())
+    bodies.into_iter().map(|(_, material)| material).collect()
 }
 
 /// Distance from `point` along `direction` to where one leaves the body; `None` if `point` is outside.

@@ -38,5 +38,5 @@ mod source;
 
 pub use error::SceneError;
 pub use glam::Vec3;
-pub use scene::{Camera, Environment, Filter, Geometry, Material, Reflection, RenderSettings, Scene, Shape};
+pub use scene::{Camera, Environment, Filter, Geometry, Material, Reflection, RenderSettings, Scene, Shape, rotation};
 pub use schema::schema;

@@ -1,6 +1,6 @@
 //! What a scene is, once it has been read and checked.
 
-use glam::Vec3;
+use glam::{DMat3, EulerRot, Vec3};
 
 /// A checked scene: every number is finite, every index is in range.
 ///
@@ -185,4 +185,10 @@ pub enum Geometry {
         /// About the fixed x axis first, then y, then z.
         rotation_degrees: Vec3,
     },
+}
+
+/// What `rotation_degrees` means: turns about the world's axes, x first, then y, then z. Its columns are the turned axes.
+pub fn rotation(degrees: Vec3) -> DMat3 {
+    let radians = degrees.as_dvec3() * (std::f64::consts::PI / 180.0);
+    DMat3::from_euler(EulerRot::ZYX, radians.z, radians.y, radians.x)
 }

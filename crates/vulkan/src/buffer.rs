@@ -23,7 +23,7 @@ pub struct Buffer {
     pub(crate) raw: vk::Buffer,
     size: u64,
     allocation: Option<Allocation>,
-    device: Arc<Device>,
+    pub(crate) device: Arc<Device>,
 }
 
 impl Buffer {
@@ -70,41 +70,16 @@ impl Buffer {
         Ok(buffer)
     }
 
-    /// A device buffer that holds `bytes`.
-    pub fn with_bytes(device: &Arc<Device>, what: &str, bytes: &[u8]) -> Result<Self, VulkanError> {
-        let buffer = Self::new(device, what, bytes.len() as u64, Location::Device)?;
-        if !bytes.is_empty() {
-            let mut staging = Self::new(device, what, bytes.len() as u64, Location::Upload)?;
-            staging.mapped_mut()[..bytes.len()].copy_from_slice(bytes);
-            device.run(|passes| passes.copy(&staging, &buffer))?;
-        }
-        Ok(buffer)
-    }
-
-    /// A device buffer of zeros.
-    pub fn zeroed(device: &Arc<Device>, what: &str, size: u64) -> Result<Self, VulkanError> {
-        let buffer = Self::new(device, what, size, Location::Device)?;
-        device.run(|passes| passes.clear(&buffer))?;
-        Ok(buffer)
-    }
-
-    /// Its bytes, copied to the host.
-    pub fn read(&self) -> Result<Vec<u8>, VulkanError> {
-        let staging = Self::new(&self.device, "staging for a read", self.size, Location::Readback)?;
-        self.device.run(|passes| passes.copy(self, &staging))?;
-        Ok(staging.mapped()[..self.size as usize].to_vec())
-    }
-
     /// Bytes asked for.
     pub fn size(&self) -> u64 {
         self.size
     }
 
-    fn mapped(&self) -> &[u8] {
+    pub(crate) fn mapped(&self) -> &[u8] {
         self.allocation.as_ref().and_then(Allocation::mapped_slice).unwrap_or_default()
     }
 
-    fn mapped_mut(&mut self) -> &mut [u8] {
+    pub(crate) fn mapped_mut(&mut self) -> &mut [u8] {
         self.allocation.as_mut().and_then(Allocation::mapped_slice_mut).unwrap_or_default()
     }
 }

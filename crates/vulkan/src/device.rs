@@ -1,16 +1,11 @@
 use std::mem::ManuallyDrop;
 use std::sync::{Arc, Mutex, MutexGuard};
-use std::time::Duration;
 
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
 use crate::error::{During, VulkanError};
 use crate::instance::{Instance, PhysicalDevice};
-use crate::passes::Passes;
-
-/// After this long without an answer, a single submission counts as hung.
-const PATIENCE: Duration = Duration::from_secs(600);
 
 /// A device in use, with one compute queue.
 pub struct Device {
@@ -19,15 +14,15 @@ pub struct Device {
     // Freed by hand in `Drop`, before the device.
     allocator: ManuallyDrop<Mutex<Allocator>>,
     // One submission at a time: the lock is held while it is recorded and waited for.
-    queue: Mutex<Queue>,
+    pub(crate) queue: Mutex<Queue>,
     instance: Arc<Instance>,
 }
 
-struct Queue {
-    raw: vk::Queue,
-    pool: vk::CommandPool,
-    commands: vk::CommandBuffer,
-    fence: vk::Fence,
+pub(crate) struct Queue {
+    pub(crate) raw: vk::Queue,
+    pub(crate) pool: vk::CommandPool,
+    pub(crate) commands: vk::CommandBuffer,
+    pub(crate) fence: vk::Fence,
 }
 
 impl Device {
@@ -90,31 +85,6 @@ impl Device {
     /// Most bytes that a kernel can see of one buffer.
     pub fn max_binding_bytes(&self) -> u64 {
         u64::from(self.physical.limits.max_storage_buffer_range).min(self.physical.max_buffer_size)
-    }
-
-    /// Records passes, submits them and waits until they are done.
-    pub fn run<'a>(&'a self, record: impl FnOnce(&mut Passes<'a>)) -> Result<(), VulkanError> {
-        let queue = self.queue.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: the lock makes this thread the only user of the command buffer, and the last submission was waited
-        // for before the lock was released.
-        unsafe {
-            self.raw.reset_command_pool(queue.pool, vk::CommandPoolResetFlags::empty()).during("vkResetCommandPool")?;
-            self.raw.begin_command_buffer(queue.commands, &begin).during("vkBeginCommandBuffer")?;
-        }
-        let mut passes = Passes::new(&self.raw, queue.commands);
-        record(&mut passes);
-        passes.finish();
-
-        let commands = [queue.commands];
-        let submit = [vk::SubmitInfo::default().command_buffers(&commands)];
-        // SAFETY: as above; the resources that the passes use are borrowed by `passes` until after the wait.
-        unsafe {
-            self.raw.end_command_buffer(queue.commands).during("vkEndCommandBuffer")?;
-            self.raw.reset_fences(&[queue.fence]).during("vkResetFences")?;
-            self.raw.queue_submit(queue.raw, &submit, queue.fence).during("vkQueueSubmit")?;
-            self.raw.wait_for_fences(&[queue.fence], true, PATIENCE.as_nanos() as u64).during("vkWaitForFences")
-        }
     }
 
     pub(crate) fn allocator(&self) -> MutexGuard<'_, Allocator> {

@@ -10,6 +10,7 @@ mod device;
 mod error;
 mod instance;
 mod passes;
+mod transfer;
 
 pub use buffer::{Buffer, Location};
 pub use compute::{BindingSet, Module, Pipeline};

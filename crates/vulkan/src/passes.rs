@@ -1,7 +1,14 @@
+use std::time::Duration;
+
 use ash::vk;
 
 use crate::buffer::Buffer;
 use crate::compute::{BindingSet, Pipeline};
+use crate::device::Device;
+use crate::error::{During, VulkanError};
+
+/// After this long without an answer, a single submission counts as hung.
+const PATIENCE: Duration = Duration::from_secs(600);
 
 /// What a pass does to memory; the barrier between two passes follows from their kinds.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -34,15 +41,42 @@ impl Kind {
 }
 
 /// Passes being recorded. Each sees all that the earlier ones wrote; the host sees all that they wrote after
-/// [`Device::run`](crate::Device::run) has returned.
+/// [`Device::run`] has returned.
 pub struct Passes<'a> {
     device: &'a ash::Device,
     commands: vk::CommandBuffer,
     last: Option<Kind>,
 }
 
+impl Device {
+    /// Records passes, submits them and waits until they are done.
+    pub fn run<'a>(&'a self, record: impl FnOnce(&mut Passes<'a>)) -> Result<(), VulkanError> {
+        let queue = self.queue.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: the lock makes this thread the only user of the command buffer, and the last submission was waited
+        // for before the lock was released.
+        unsafe {
+            self.raw.reset_command_pool(queue.pool, vk::CommandPoolResetFlags::empty()).during("vkResetCommandPool")?;
+            self.raw.begin_command_buffer(queue.commands, &begin).during("vkBeginCommandBuffer")?;
+        }
+        let mut passes = Passes::new(&self.raw, queue.commands);
+        record(&mut passes);
+        passes.finish();
+
+        let commands = [queue.commands];
+        let submit = [vk::SubmitInfo::default().command_buffers(&commands)];
+        // SAFETY: as above; the resources that the passes use are borrowed by `passes` until after the wait.
+        unsafe {
+            self.raw.end_command_buffer(queue.commands).during("vkEndCommandBuffer")?;
+            self.raw.reset_fences(&[queue.fence]).during("vkResetFences")?;
+            self.raw.queue_submit(queue.raw, &submit, queue.fence).during("vkQueueSubmit")?;
+            self.raw.wait_for_fences(&[queue.fence], true, PATIENCE.as_nanos() as u64).during("vkWaitForFences")
+        }
+    }
+}
+
 impl<'a> Passes<'a> {
-    pub(crate) fn new(device: &'a ash::Device, commands: vk::CommandBuffer) -> Self {
+    fn new(device: &'a ash::Device, commands: vk::CommandBuffer) -> Self {
         Self { device, commands, last: None }
     }
 
@@ -88,7 +122,7 @@ impl<'a> Passes<'a> {
     }
 
     /// Makes the results visible to the host.
-    pub(crate) fn finish(&mut self) {
+    fn finish(&mut self) {
         if let Some(last) = self.last {
             self.barrier(last, vk::PipelineStageFlags::HOST, vk::AccessFlags::HOST_READ);
         }
