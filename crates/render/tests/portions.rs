@@ -1,0 +1,105 @@
+//! The renderer cuts work into portions that a device has patience for, and leaves nothing out.
+
+use std::cell::RefCell;
+use std::ops::Range;
+use std::rc::Rc;
+use std::time::Duration;
+
+use raggio_render::{Answer, DeviceError, Film, Probe, Question, Renderer, Session};
+
+const WIDTH: u32 = 100;
+const HEIGHT: u32 = 70;
+
+/// What a device was asked to do.
+#[derive(Default)]
+struct Log {
+    /// Samples of each row, in order of arrival.
+    samples: Vec<Vec<Range<u32>>>,
+    /// Pixel samples of each call.
+    portions: Vec<f64>,
+}
+
+/// A device that only takes its time.
+struct Clock {
+    seconds_per_sample: f64,
+    log: Rc<RefCell<Log>>,
+}
+
+impl Session for Clock {
+    fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
+        let mut log = self.log.borrow_mut();
+        log.samples.resize(HEIGHT as usize, vec![]);
+        let portion = f64::from(WIDTH) * rows.len() as f64 * samples.len() as f64;
+        log.portions.push(portion);
+        for row in rows {
+            log.samples[row as usize].push(samples.clone());
+        }
+        std::thread::sleep(Duration::from_secs_f64(portion * self.seconds_per_sample));
+        Ok(())
+    }
+
+    fn film(&self) -> Result<Film, DeviceError> {
+        Ok(Film::new(WIDTH, HEIGHT))
+    }
+
+    fn ask(&mut self, _: Probe, _: &[Question]) -> Result<Vec<Answer>, DeviceError> {
+        Ok(vec![])
+    }
+
+    fn patience_seconds(&self) -> f64 {
+        0.02
+    }
+}
+
+fn render(seconds_per_sample: f64, target: u32) -> Log {
+    let log = Rc::new(RefCell::new(Log::default()));
+    let mut renderer = Renderer::new(Box::new(Clock { seconds_per_sample, log: log.clone() }), WIDTH, HEIGHT, target);
+    let mut last = 0.0;
+    while !renderer.finished() {
+        let progress = renderer.advance().expect("a portion");
+        assert!(progress.fraction > last && progress.fraction <= 1.0, "{last} then {progress:?}");
+        last = progress.fraction;
+    }
+    assert_eq!(renderer.progress().samples, target);
+    assert_eq!(renderer.progress().total_samples, u64::from(WIDTH * HEIGHT) * u64::from(target));
+    drop(renderer);
+    Rc::into_inner(log).expect("the session is gone").into_inner()
+}
+
+fn assert_each_sample_once(log: &Log, target: u32) {
+    for ranges in &log.samples {
+        let mut next = 0;
+        for range in ranges {
+            assert_eq!(range.start, next, "ranges in order, without gap or overlap");
+            next = range.end;
+        }
+        assert_eq!(next, target);
+    }
+}
+
+#[test]
+fn a_slow_device_gets_portions_of_its_patience() {
+    // A second for the whole image at one sample: fifty portions of 20 ms.
+    let seconds_per_sample = 1.0 / f64::from(WIDTH * HEIGHT);
+    let log = render(seconds_per_sample, 1);
+    assert_each_sample_once(&log, 1);
+    // The first portion is a guess.
+    for portion in &log.portions[1..] {
+        assert!(portion * seconds_per_sample <= 0.03, "a portion took {} s", portion * seconds_per_sample);
+    }
+    assert!(log.portions.len() < 90, "{} portions", log.portions.len());
+}
+
+#[test]
+fn a_fast_device_gets_many_samples_at_once() {
+    let log = render(1e-9, 20_000);
+    assert_each_sample_once(&log, 20_000);
+    // 0.14 s of work in portions of at most 20 ms, and a few small ones while the rate is found out.
+    assert!(log.portions.len() < 40, "{} portions", log.portions.len());
+}
+
+#[test]
+fn a_session_of_no_cost_ends_too() {
+    let log = render(0.0, 3);
+    assert_each_sample_once(&log, 3);
+}
