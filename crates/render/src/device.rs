@@ -9,7 +9,7 @@ use crate::device_scene::DeviceScene;
 use crate::film::Film;
 
 /// Something that can trace rays.
-pub trait Device {
+pub trait Device: Send + Sync {
     /// As shown to users: `NVIDIA H200 (vulkan:0)`.
     fn name(&self) -> String;
 

@@ -1,0 +1,73 @@
+//! The devices under test, opened once for all tests of a program.
+
+use std::sync::OnceLock;
+
+use raggio_render::{Answer, Device, DeviceChoice, DeviceScene, OpenOptions, Probe, Question, open};
+use raggio_scene::Scene;
+
+/// A device under test.
+#[derive(Clone, Copy)]
+pub struct TestDevice {
+    /// In messages: `cpu` or `vulkan`.
+    pub label: &'static str,
+    /// Software Vulkan is an order of magnitude slower than the CPU device, so tests take fewer samples there.
+    pub slow: bool,
+    /// The device itself.
+    pub device: &'static dyn Device,
+}
+
+impl TestDevice {
+    /// `fast` on the CPU, `slow` on Vulkan.
+    pub fn pick<T>(&self, fast: T, slow: T) -> T {
+        if self.slow { slow } else { fast }
+    }
+
+    /// Evaluates a function of the kernels in `scene`; as many questions as one likes.
+    pub fn ask(&self, scene: &Scene, probe: Probe, questions: &[Question]) -> Vec<Answer> {
+        let device_scene = DeviceScene::new(scene).expect("the scene fits devices");
+        let mut session = self.device.load(&device_scene).expect("the scene loads");
+        questions
+            .chunks(PROBES_AT_ONCE)
+            .flat_map(|chunk| session.ask(probe, chunk).expect("the probe answers"))
+            .collect()
+    }
+}
+
+/// Keeps buffers small, and a dispatch far below the most workgroups that Vulkan guarantees.
+const PROBES_AT_ONCE: usize = 1 << 18;
+
+/// Runs `test` on each device in turn; a message of Vulkan's validation layers fails it.
+pub fn for_each_device(test: impl Fn(TestDevice)) {
+    test(TestDevice { label: "cpu", slow: false, device: cpu() });
+    let Some(device) = vulkan() else { return };
+    test(TestDevice { label: "vulkan", slow: true, device });
+    let messages = device.validation_messages();
+    assert!(messages.is_empty(), "Vulkan's validation layers complain:\n{}", messages.join("\n"));
+}
+
+/// The CPU with default options.
+pub fn cpu() -> &'static dyn Device {
+    static CPU: OnceLock<Box<dyn Device>> = OnceLock::new();
+    &**CPU.get_or_init(|| open(DeviceChoice::Cpu, OpenOptions::default()).expect("the CPU is always there"))
+}
+
+/// The best Vulkan device, with validation; `None` where there is none.
+///
+/// # Panics
+/// If there is none and `RAGGIO_REQUIRE_VULKAN=1` says that there has to be.
+pub fn vulkan() -> Option<&'static dyn Device> {
+    static VULKAN: OnceLock<Option<Box<dyn Device>>> = OnceLock::new();
+    VULKAN.get_or_init(open_vulkan).as_deref()
+}
+
+fn open_vulkan() -> Option<Box<dyn Device>> {
+    let required = std::env::var("RAGGIO_REQUIRE_VULKAN").is_ok_and(|value| value == "1");
+    match open(DeviceChoice::Vulkan(None), OpenOptions { validate: true, ..OpenOptions::default() }) {
+        Ok(device) => Some(device),
+        Err(error) => {
+            assert!(!required, "RAGGIO_REQUIRE_VULKAN=1, and Vulkan cannot be used: {error}");
+            eprintln!("testing the CPU alone, for Vulkan cannot be used: {error}");
+            None
+        }
+    }
+}

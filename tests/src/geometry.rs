@@ -1,0 +1,257 @@
+//! Rays and shapes in double precision, with bounds on what single precision may make of them.
+//!
+//! A single-precision intersection is right when it is that of a ray and a shape moved by a few roundings of the
+//! numbers involved. Where such a move decides between hit and miss, or between two faces, both answers are right: a
+//! reference is therefore a list of [`Event`]s, some of which are certain.
+
+use glam::{DMat3, DVec3};
+use raggio_scene::Geometry;
+
+/// Error of one rounding.
+pub const EPSILON: f64 = 5.960_464_477_539_063e-8;
+/// Roundings on the longest way through any of the formulas. Measured errors reach about a third of what this allows.
+const ROUNDINGS: f64 = 8.0;
+
+/// A ray; `direction` is a unit vector up to single-precision rounding.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// Where it starts.
+    pub origin: DVec3,
+    /// Where it goes.
+    pub direction: DVec3,
+}
+
+/// A crossing of a ray with the surface of a shape.
+#[derive(Clone, Copy, Debug)]
+pub struct Event {
+    /// Along the ray.
+    pub distance: f64,
+    /// By which single precision may differ.
+    pub tolerance: f64,
+    /// Outward.
+    pub normal: DVec3,
+    /// By which a component of single precision's normal may differ.
+    pub normal_tolerance: f64,
+    /// Whether rounding cannot make the ray miss here.
+    pub certain: bool,
+}
+
+/// What a device answered.
+#[derive(Clone, Copy, Debug)]
+pub struct Found {
+    /// Along the ray.
+    pub distance: f64,
+    /// Where.
+    pub position: DVec3,
+    /// Outward.
+    pub normal: DVec3,
+}
+
+/// How far an answer is from the reference.
+#[derive(Clone, Copy, Debug)]
+pub struct Agreement {
+    /// Error of the distance over its tolerance.
+    pub ratio: f64,
+    /// Whether single precision had no choice between hit and miss.
+    pub certain: bool,
+}
+
+impl Ray {
+    /// The point at `distance`.
+    pub fn at(&self, distance: f64) -> DVec3 {
+        self.origin + distance * self.direction
+    }
+}
+
+/// All crossings of `ray` with `shape`, in no order, also behind its origin.
+pub fn events(shape: &Geometry, ray: &Ray) -> Vec<Event> {
+    match *shape {
+        Geometry::Sphere { center, radius } => sphere(center.as_dvec3(), f64::from(radius), ray),
+        Geometry::Plane { point, normal } => plane(point.as_dvec3(), normal.as_dvec3(), ray).into_iter().collect(),
+        Geometry::Rectangle { corner, edge_u, edge_v } => {
+            rectangle(corner.as_dvec3(), edge_u.as_dvec3(), edge_v.as_dvec3(), ray).into_iter().collect()
+        }
+        Geometry::Box { center, size, rotation_degrees } => {
+            turned_box(center.as_dvec3(), 0.5 * size.as_dvec3(), rotation(rotation_degrees.as_dvec3()), ray)
+        }
+    }
+}
+
+/// The nearest crossing in front of `ray`, rounding aside.
+pub fn nearest(shape: &Geometry, ray: &Ray) -> Option<Event> {
+    let ahead = events(shape, ray).into_iter().filter(|event| event.distance > 0.0);
+    ahead.min_by(|a, b| a.distance.total_cmp(&b.distance))
+}
+
+/// Compares an answer with the reference; the error says how they contradict each other.
+pub fn check(shape: &Geometry, ray: &Ray, found: Option<Found>) -> Result<Agreement, String> {
+    let events = events(shape, ray);
+    let ahead = || events.iter().filter(|e| e.distance > -e.tolerance);
+    let certain = ahead().filter(|e| e.certain && e.distance > e.tolerance);
+    let limit = certain.map(|e| e.distance + e.tolerance).fold(f64::INFINITY, f64::min);
+    // What may be the nearest crossing.
+    let candidates: Vec<_> = ahead().filter(|e| e.distance - e.tolerance <= limit).collect();
+    let choice = candidates.iter().any(|e| !(e.certain && e.distance > e.tolerance));
+    let Some(found) = found else {
+        return if limit.is_infinite() {
+            Ok(Agreement { ratio: 0.0, certain: candidates.is_empty() })
+        } else {
+            Err(format!("missed what it must hit: {candidates:?}"))
+        };
+    };
+    let size = extent(shape) + ray.origin.abs().max_element();
+    let ratio = |e: &&Event| {
+        // Lateral errors are roundings of the position's own numbers, whatever the angle.
+        let position_tolerance = e.tolerance + ROUNDINGS * EPSILON * (size + e.distance.abs());
+        let position = (found.position - ray.at(e.distance)).length() / position_tolerance;
+        let normal = (found.normal - e.normal).abs().max_element() / e.normal_tolerance;
+        ((found.distance - e.distance).abs() / e.tolerance).max(position).max(normal)
+    };
+    let ratio = candidates.iter().map(ratio).fold(f64::INFINITY, f64::min);
+    if ratio <= 1.0 {
+        Ok(Agreement { ratio, certain: !choice })
+    } else {
+        Err(format!("found {found:?}, {ratio:.3} times as far as allowed from any of {candidates:?}"))
+    }
+}
+
+/// The largest of the numbers that describe a shape.
+fn extent(shape: &Geometry) -> f64 {
+    match *shape {
+        Geometry::Sphere { center, radius } => center.as_dvec3().abs().max_element() + f64::from(radius),
+        Geometry::Plane { point, .. } => point.as_dvec3().abs().max_element(),
+        Geometry::Rectangle { corner, edge_u, edge_v } => {
+            [corner, edge_u, edge_v].map(|v| v.as_dvec3().abs().max_element()).iter().sum()
+        }
+        Geometry::Box { center, size, .. } => center.as_dvec3().abs().max_element() + size.as_dvec3().element_sum(),
+    }
+}
+
+fn sphere(center: DVec3, radius: f64, ray: &Ray) -> Vec<Event> {
+    let from_center = ray.origin - center;
+    let direction = ray.direction.normalize();
+    let b = -from_center.dot(direction);
+    let to_line = from_center + b * direction;
+    // The line may pass this much nearer to the centre or farther from it.
+    let moved = ROUNDINGS * EPSILON * (from_center.length() + radius);
+    let chord2 = radius * radius - to_line.length_squared();
+    let chord2_tolerance = 2.0 * to_line.length().max(radius) * moved + moved * moved;
+    if chord2 < -chord2_tolerance {
+        return vec![];
+    }
+    let half_chord = chord2.max(0.0).sqrt();
+    let certain = chord2 > chord2_tolerance;
+    let chord_tolerance = if certain { chord2_tolerance / half_chord } else { (2.0 * chord2_tolerance).sqrt() };
+    let tolerance = moved + chord_tolerance;
+    let scale = center.abs().max_element() + ray.origin.abs().max_element();
+    let event = |distance: f64| {
+        let normal = (ray.at(distance) - center) / radius;
+        let normal_tolerance = (tolerance + ROUNDINGS * EPSILON * (scale + distance.abs())) / radius;
+        Event { distance, tolerance, normal, normal_tolerance, certain }
+    };
+    vec![event(b - half_chord), event(b + half_chord)]
+}
+
+fn plane(point: DVec3, normal: DVec3, ray: &Ray) -> Option<Event> {
+    let cosine = normal.dot(ray.direction);
+    let cosine_tolerance = ROUNDINGS * EPSILON;
+    if cosine == 0.0 {
+        return None;
+    }
+    let distance = normal.dot(point - ray.origin) / cosine;
+    let moved = ROUNDINGS * EPSILON * (point.abs().max_element() + ray.origin.abs().max_element());
+    let tolerance = (moved + cosine_tolerance * distance.abs()) / cosine.abs();
+    let certain = cosine.abs() > 2.0 * cosine_tolerance;
+    Some(Event { distance, tolerance, normal, normal_tolerance: ROUNDINGS * EPSILON, certain })
+}
+
+fn rectangle(corner: DVec3, edge_u: DVec3, edge_v: DVec3, ray: &Ray) -> Option<Event> {
+    let mut event = plane(corner, edge_u.cross(edge_v).normalize(), ray)?;
+    let inside = ray.at(event.distance) - corner;
+    let size = ray.origin.abs().max_element() + corner.abs().max_element() + edge_u.length() + edge_v.length();
+    let margin = event.tolerance + ROUNDINGS * EPSILON * (size + event.distance.abs());
+    let room = |edge: DVec3| {
+        let along = inside.dot(edge) / edge.length();
+        along.min(edge.length() - along)
+    };
+    let room = room(edge_u).min(room(edge_v));
+    event.certain &= room > margin;
+    (room > -margin).then_some(event)
+}
+
+fn turned_box(center: DVec3, half: DVec3, axes: DMat3, ray: &Ray) -> Vec<Event> {
+    let origin = axes.transpose() * (ray.origin - center);
+    let direction = axes.transpose() * ray.direction;
+    let moved =
+        ROUNDINGS * EPSILON * (ray.origin.abs().max_element() + center.abs().max_element() + half.max_element());
+    let mut crossings = vec![];
+    for axis in 0..3 {
+        let d = if direction[axis] == 0.0 { 1e-30 } else { direction[axis] };
+        for side in [-1.0, 1.0] {
+            let distance = (side * half[axis] - origin[axis]) / d;
+            let tolerance = (moved + ROUNDINGS * EPSILON * distance.abs()) / d.abs();
+            let event = Event {
+                distance,
+                tolerance,
+                normal: side * axes.col(axis),
+                normal_tolerance: ROUNDINGS * EPSILON,
+                certain: true,
+            };
+            crossings.push((event, side * d < 0.0));
+        }
+    }
+    let of = |entering: bool| crossings.iter().filter(move |(_, e)| *e == entering).map(|(event, _)| *event);
+    let (near, far) = (boundary(of(true).map(flipped).collect()), boundary(of(false).collect()));
+    let near = near.into_iter().map(flipped);
+    // The last slab to be entered must be entered before the first is left.
+    let bounds = |sign: f64| {
+        let entered = near.clone().map(|e| e.distance + sign * e.tolerance).fold(f64::NEG_INFINITY, f64::max);
+        let left = far.iter().map(|e| e.distance - sign * e.tolerance).fold(f64::INFINITY, f64::min);
+        entered < left
+    };
+    let (certain, possible) = (bounds(1.0), bounds(-1.0));
+    let surfaces = near.chain(far.clone()).map(|e| Event { certain, ..e });
+    if possible { surfaces.collect() } else { vec![] }
+}
+
+/// Of the crossings out of the three slabs those that may come first.
+fn boundary(mut events: Vec<Event>) -> Vec<Event> {
+    let first = events.iter().map(|e| e.distance + e.tolerance).fold(f64::INFINITY, f64::min);
+    events.retain(|e| e.distance - e.tolerance <= first);
+    events
+}
+
+/// Time reversed: the last entry is the first exit.
+fn flipped(event: Event) -> Event {
+    Event { distance: -event.distance, ..event }
+}
+
+/// About the fixed x axis first, then y, then z: a product of the three textbook matrices.
+pub fn rotation(degrees: DVec3) -> DMat3 {
+    let [x, y, z] = degrees.to_array().map(f64::to_radians);
+    DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y) * DMat3::from_rotation_x(x)
+}
+
+/// Snell's law: the refracted direction of a unit vector `d` at a surface with unit normal `n`, for `eta` = index
+/// before over index after; `None` under total internal reflection.
+pub fn refracted(d: DVec3, n: DVec3, eta: f64) -> Option<DVec3> {
+    let n = if d.dot(n) < 0.0 { n } else { -n };
+    let cosine = -d.dot(n);
+    let sine2 = eta * eta * (1.0 - cosine * cosine);
+    (sine2 < 1.0).then(|| eta * d + (eta * cosine - (1.0 - sine2).sqrt()) * n)
+}
+
+/// Fresnel's unpolarised reflectance from the angle of incidence, in its textbook form of sines and tangents.
+pub fn fresnel(radians: f64, eta: f64) -> f64 {
+    if radians == 0.0 {
+        return ((eta - 1.0) / (eta + 1.0)).powi(2);
+    }
+    let sine = eta * radians.sin();
+    if sine >= 1.0 {
+        return 1.0;
+    }
+    let refracted = sine.asin();
+    let perpendicular = (radians - refracted).sin() / (radians + refracted).sin();
+    let parallel = (radians - refracted).tan() / (radians + refracted).tan();
+    0.5 * (perpendicular * perpendicular + parallel * parallel)
+}

@@ -1,0 +1,88 @@
+//! From the text of a scene to numbers.
+
+use std::ops::Range;
+
+use glam::DVec3;
+use raggio_kernels::{FilmPixel, FixedSum};
+use raggio_render::{Device, DeviceScene, Film};
+use raggio_scene::Scene;
+
+/// A scene from its TOML text; the version line is added.
+pub fn parse(text: &str) -> Scene {
+    Scene::parse(&format!("version = 1\n{text}"), "test.toml").unwrap_or_else(|error| panic!("{error}\nin\n{text}"))
+}
+
+/// The first `samples` samples of each pixel.
+pub fn render(device: &dyn Device, scene: &Scene, samples: u32) -> Film {
+    render_range(device, scene, 0..samples)
+}
+
+/// These samples of each pixel.
+pub fn render_range(device: &dyn Device, scene: &Scene, samples: Range<u32>) -> Film {
+    let device_scene = DeviceScene::new(scene).expect("the scene fits devices");
+    let mut session = device.load(&device_scene).expect("the scene loads");
+    session.add_samples(0..scene.render.height, samples).expect("the device renders");
+    session.film().expect("the film can be read")
+}
+
+/// A mean radiance and how far it may be from the truth.
+#[derive(Clone, Copy, Debug)]
+pub struct Estimate {
+    /// Red, green, blue.
+    pub mean: DVec3,
+    /// Standard error of `mean`.
+    pub error: DVec3,
+}
+
+impl Estimate {
+    /// Asserts that `expected` is within four standard errors in each channel, and that these are small enough to
+    /// tell: at most `most_relative_error` of it. Rounding gets a millionth.
+    #[track_caller]
+    pub fn assert_near(&self, what: &str, expected: DVec3, most_relative_error: f64) {
+        let allowed = 4.0 * self.error + 1e-6 * expected;
+        let message = format!("{what}: expected {expected}, found {} with standard error {}", self.mean, self.error);
+        assert!((self.mean - expected).abs().cmple(allowed).all(), "{message}");
+        assert!(
+            self.error.cmple(most_relative_error * expected + DVec3::splat(1e-12)).all(),
+            "{message}, which is too uncertain: {most_relative_error} of it is needed"
+        );
+    }
+}
+
+/// Mean over all pixels of a picture in which all show the same: the pixels are its independent repetitions.
+pub fn estimate(device: &dyn Device, scene: &Scene, samples: u32) -> Estimate {
+    let film = render(device, scene, samples);
+    assert_eq!(film.rejected(), 0, "samples without a finite value");
+    let means = means(&film);
+    let count = means.len() as f64;
+    let mean = means.iter().sum::<DVec3>() / count;
+    let spread = means.iter().map(|m| (*m - mean) * (*m - mean)).sum::<DVec3>() / (count - 1.0);
+    Estimate { mean, error: DVec3::from_array((spread / count).to_array().map(f64::sqrt)) }
+}
+
+/// Mean radiance of each pixel in double precision.
+pub fn means(film: &Film) -> Vec<DVec3> {
+    film.pixels().iter().map(mean).collect()
+}
+
+/// Mean radiance of a pixel in double precision.
+pub fn mean(pixel: &FilmPixel) -> DVec3 {
+    let sums = [pixel.red, pixel.green, pixel.blue].map(sum);
+    DVec3::from_array(sums) / f64::from(pixel.samples.max(1))
+}
+
+/// The fixed-point sum as a number of 2^-40, written anew here so that it can test the other.
+pub fn whole(sum: FixedSum) -> i128 {
+    let words = [sum.low, sum.middle, sum.high];
+    let magnitude: i128 = words.iter().enumerate().map(|(i, &word)| i128::from(word) << (32 * i)).sum();
+    if sum.high >> 31 == 1 { magnitude - (1i128 << 96) } else { magnitude }
+}
+
+fn sum(sum: FixedSum) -> f64 {
+    whole(sum) as f64 * 2f64.powi(-40)
+}
+
+/// Relative difference of two radiances, in proportion to the largest channel of `b`.
+pub fn relative_difference(a: DVec3, b: DVec3) -> f64 {
+    (a - b).abs().max_element() / b.abs().max_element().max(1e-30)
+}

@@ -1,0 +1,91 @@
+//! Scenes whose radiance can be written down.
+
+mod bodies;
+mod critical;
+mod depth;
+mod fresnel;
+mod furnace;
+mod lamps;
+mod lens;
+mod mirrors;
+mod overlap;
+
+use glam::DVec3;
+use raggio_scene::Scene;
+use raggio_tests::parse;
+
+/// The whole picture sees what lies in one direction: all pixels estimate the same radiance.
+const ONE_DIRECTION: f64 = 0.02;
+
+/// Where from, where to, and how much of it, in degrees.
+#[derive(Clone, Copy)]
+struct View {
+    position: DVec3,
+    look_at: DVec3,
+    fov_degrees: f64,
+    width: u32,
+    height: u32,
+    max_depth: u32,
+}
+
+impl View {
+    /// 64 x 64 pixels, paths of up to a thousand rays.
+    fn new(position: [f64; 3], look_at: [f64; 3], fov_degrees: f64) -> Self {
+        let [position, look_at] = [position, look_at].map(DVec3::from_array);
+        Self { position, look_at, fov_degrees, width: 64, height: 64, max_depth: 1000 }
+    }
+
+    fn size(self, width: u32, height: u32) -> Self {
+        Self { width, height, ..self }
+    }
+
+    fn depth(self, max_depth: u32) -> Self {
+        Self { max_depth, ..self }
+    }
+
+    /// With what it sees: the rest of a scene file. `render` and `camera` are keys to add to those tables.
+    fn scene_with(&self, render: &str, camera: &str, rest: &str) -> Scene {
+        let Self { position, look_at, fov_degrees, width, height, max_depth } = self;
+        // Up is any direction across the view.
+        let up = if (*look_at - *position).normalize().y.abs() > 0.9 { DVec3::NEG_Z } else { DVec3::Y };
+        let [position, look_at, up] = [*position, *look_at, up].map(array);
+        parse(&format!(
+            "[render]\nwidth = {width}\nheight = {height}\nmax_depth = {max_depth}\n{render}
+             [camera]\nposition = {position}\nlook_at = {look_at}\nup = {up}\nvertical_fov_degrees = {fov_degrees}
+             {camera}
+             {rest}"
+        ))
+    }
+
+    fn scene(&self, rest: &str) -> Scene {
+        self.scene_with("", "", rest)
+    }
+
+    /// The direction through the middle of a pixel, for views with the default orientation.
+    fn direction(&self, x: u32, y: u32) -> DVec3 {
+        let back = (self.position - self.look_at).normalize();
+        let up = if back.y.abs() > 0.9 { DVec3::NEG_Z } else { DVec3::Y };
+        let right = up.cross(back).normalize();
+        let half = (0.5 * self.fov_degrees.to_radians()).tan();
+        let across = half * f64::from(self.width) / f64::from(self.height)
+            * (2.0 * (f64::from(x) + 0.5) / f64::from(self.width) - 1.0);
+        let upward = half * (1.0 - 2.0 * (f64::from(y) + 0.5) / f64::from(self.height));
+        (across * right + upward * back.cross(right) - back).normalize()
+    }
+}
+
+fn array(v: DVec3) -> String {
+    format!("[{}, {}, {}]", v.x, v.y, v.z)
+}
+
+const WHITE_SKY: &str = "[environment]\ncolor = [1, 1, 1]\n";
+
+/// A table of materials and one of shapes: `(material, shape)`.
+fn shapes(list: &[(&str, &str)]) -> String {
+    list.iter().map(|(material, shape)| format!("[[shapes]]\nmaterial = \"{material}\"\n{shape}\n")).collect()
+}
+
+/// `(name, keys)` of each material.
+fn materials(list: &[(&str, &str)]) -> String {
+    list.iter().map(|(name, keys)| format!("[materials.{name}]\n{keys}\n")).collect()
+}

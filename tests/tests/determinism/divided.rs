@@ -1,0 +1,112 @@
+//! One picture, divided in many ways.
+
+use std::ops::Range;
+
+use raggio_render::{CpuDevice, CpuOptions, Device, DeviceScene, Film, InstructionSet};
+use raggio_scene::Scene;
+use raggio_tests::{for_each_device, render, render_range};
+
+use crate::scenes;
+
+const SAMPLES: u32 = 20;
+
+/// Renders `rows` before the others and in passes of `pass` samples.
+fn in_passes(device: &dyn Device, scene: &Scene, pass: u32, rows: Range<u32>) -> Film {
+    let device_scene = DeviceScene::new(scene).expect("the scene fits devices");
+    let mut session = device.load(&device_scene).expect("the scene loads");
+    for band in [rows.clone(), 0..rows.start, rows.end..scene.render.height] {
+        for first in (0..SAMPLES).step_by(pass as usize) {
+            let samples = first..SAMPLES.min(first + pass);
+            session.add_samples(band.clone(), samples).expect("the device renders");
+        }
+    }
+    session.film().expect("the film can be read")
+}
+
+/// Equality of films is equality of all their bits, counters included.
+fn assert_same(what: &str, expected: &Film, found: &Film) {
+    let differ = expected.pixels().iter().zip(found.pixels()).position(|(a, b)| a != b);
+    if let Some(place) = differ {
+        let (x, y) = (place % expected.width() as usize, place / expected.width() as usize);
+        let [a, b] = [expected, found].map(|film| film.pixels()[place]);
+        panic!("{what}: pixel ({x}, {y}) is the first to differ: expected {a:?}, found {b:?}");
+    }
+    assert_eq!(expected, found, "{what}");
+}
+
+#[test]
+fn passes_and_bands_leave_no_trace() {
+    for_each_device(|device| {
+        for (name, scene) in scenes() {
+            let expected = render(device.device, &scene, SAMPLES);
+            for (pass, rows) in [(1, 0..33), (7, 0..33), (SAMPLES, 5..6), (7, 13..29), (1, 31..33)] {
+                let found = in_passes(device.device, &scene, pass, rows.clone());
+                let what = format!("{} {name}, passes of {pass} samples, rows {rows:?} first", device.label);
+                assert_same(&what, &expected, &found);
+            }
+        }
+    });
+}
+
+#[test]
+fn ranges_of_samples_merge_to_the_whole() {
+    for_each_device(|device| {
+        for (name, scene) in scenes() {
+            let expected = render(device.device, &scene, SAMPLES);
+            let mut merged = render_range(device.device, &scene, 9..SAMPLES);
+            let first = render_range(device.device, &scene, 0..9);
+            merged.merge(&first).expect("films of one size");
+            assert_same(&format!("{} {name}, samples 9..{SAMPLES} and 0..9 merged", device.label), &expected, &merged);
+        }
+    });
+}
+
+#[test]
+fn threads_and_tiles_leave_no_trace() {
+    for (name, scene) in scenes() {
+        let film = |threads, tile_rows| {
+            let options = CpuOptions { threads, tile_rows, ..CpuOptions::default() };
+            render(&CpuDevice::new(options).expect("threads can be had"), &scene, SAMPLES)
+        };
+        let expected = film(1, 4);
+        for (threads, tile_rows) in [(2, 4), (1, 1), (2, 1), (2, 3), (2, 8), (5, 1000)] {
+            let what = format!("{name}, {threads} threads, tiles of {tile_rows} rows");
+            assert_same(&what, &expected, &film(threads, tile_rows));
+        }
+    }
+}
+
+#[test]
+fn instruction_sets_leave_no_trace() {
+    let sets = InstructionSet::available();
+    println!("instruction sets: {sets:?}");
+    for (name, scene) in scenes() {
+        let films = sets.iter().map(|&set| {
+            let options = CpuOptions { instruction_set: Some(set), ..CpuOptions::default() };
+            render(&CpuDevice::new(options).expect("the set is available"), &scene, SAMPLES)
+        });
+        let films: Vec<_> = films.collect();
+        for (set, film) in sets.iter().zip(&films) {
+            assert_same(&format!("{name}, {}", set.name()), &films[0], film);
+        }
+    }
+}
+
+#[test]
+fn seeds_give_different_pictures() {
+    for_each_device(|device| {
+        for (name, mut scene) in scenes() {
+            let one = render(device.device, &scene, 4);
+            scene.render.seed += 1;
+            let other = render(device.device, &scene, 4);
+            let same = one.pixels().iter().zip(other.pixels()).filter(|(a, b)| a == b).count();
+            // A plain sky is the same for all seeds; it fills no more than two thirds of any of the pictures.
+            let pixels = one.pixels().len();
+            assert!(
+                same < pixels * 2 / 3,
+                "{} {name}: {same} of {pixels} pixels are alike for two seeds",
+                device.label
+            );
+        }
+    });
+}

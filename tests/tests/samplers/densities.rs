@@ -1,0 +1,190 @@
+//! The densities in double precision, derived anew, and charts on which they have no poles.
+
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
+
+use glam::DVec3;
+use raggio_kernels::SamplerKind;
+
+use crate::frame;
+
+/// A sampler with its arguments.
+#[derive(Clone, Copy, Debug)]
+pub struct Case {
+    pub kind: SamplerKind,
+    pub n: DVec3,
+    pub wo: DVec3,
+    pub smoothness: f64,
+}
+
+/// Coordinates (h, phi) of the sphere or the disk: h in `range`, phi a whole turn.
+pub struct Chart {
+    axes: [DVec3; 3],
+    pub range: (f64, f64),
+    form: Form,
+}
+
+/// What h is.
+enum Form {
+    /// The cosine to the axis: equal areas.
+    Cosine,
+    /// The root of 1 - cosine: fine about the axis, where the densities of grazing light end abruptly.
+    Root,
+    /// The squared radius in the unit disk, halved in its measure.
+    Disk,
+    /// The root in the density of the interpolated mirror, for smoothness over 1/2: see [`Case::chart`].
+    Cone(f64),
+}
+
+impl Chart {
+    pub fn point(&self, h: f64, phi: f64) -> DVec3 {
+        let (sin, cos) = phi.sin_cos();
+        if let Form::Disk = self.form {
+            return h.sqrt() * DVec3::new(cos, sin, 0.0);
+        }
+        let cosine = match self.form {
+            Form::Root => 1.0 - h * h,
+            Form::Cone(s) => ((h * h + 2.0 * s - 1.0).sqrt() / s).min(1.0),
+            _ => h,
+        };
+        let [x, y, z] = self.axes;
+        (1.0 - cosine * cosine).max(0.0).sqrt() * (cos * x + sin * y) + cosine * z
+    }
+
+    /// (h, phi) of a sample; h may leave the range where rounding takes it.
+    pub fn coordinates(&self, w: DVec3) -> (f64, f64) {
+        if let Form::Disk = self.form {
+            return (w.length_squared(), w.y.atan2(w.x).rem_euclid(TAU));
+        }
+        let [x, y, z] = self.axes.map(|axis| axis.dot(w));
+        let h = match self.form {
+            Form::Root => (1.0 - z).max(0.0).sqrt(),
+            Form::Cone(s) => (s * s * z * z - (2.0 * s - 1.0)).max(0.0).sqrt(),
+            _ => z,
+        };
+        (h, y.atan2(x).rem_euclid(TAU))
+    }
+
+    /// Area of the sphere (or the disk) for a unit of h and of phi.
+    pub fn measure(&self, h: f64) -> f64 {
+        match self.form {
+            Form::Cosine => 1.0,
+            Form::Root => 2.0 * h,
+            Form::Disk => 0.5,
+            // The cosine is sqrt(h^2 + 2s - 1) / s.
+            Form::Cone(s) => h / (s * (h * h + 2.0 * s - 1.0).sqrt()),
+        }
+    }
+}
+
+impl Case {
+    pub fn mirror(&self) -> DVec3 {
+        2.0 * self.n.dot(self.wo) * self.n - self.wo
+    }
+
+    /// Around the normal, or around the mirror direction. Past a smoothness of 1/2 all directions lie in a cone about
+    /// that, and their density grows without bound toward its rim, as one over a root: with the root for a coordinate
+    /// the measure takes the pole away.
+    pub fn chart(&self) -> Chart {
+        let s = self.smoothness;
+        match self.kind {
+            SamplerKind::UniformSphere => Chart { axes: frame(self.n), range: (-1.0, 1.0), form: Form::Cosine },
+            SamplerKind::UniformDisk => Chart { axes: frame(self.n), range: (0.0, 1.0), form: Form::Disk },
+            SamplerKind::InterpolatedMirror if s > 0.5 => {
+                Chart { axes: frame(self.mirror()), range: (0.0, 1.0 - s), form: Form::Cone(s) }
+            }
+            SamplerKind::InterpolatedMirror => {
+                Chart { axes: frame(self.mirror()), range: (0.0, 2f64.sqrt()), form: Form::Root }
+            }
+            _ => Chart { axes: frame(self.n), range: (0.0, 1.0), form: Form::Cosine },
+        }
+    }
+
+    /// Per steradian, or per area of the disk.
+    pub fn density(&self, w: DVec3) -> f64 {
+        let cosine = self.n.dot(w);
+        match self.kind {
+            SamplerKind::UniformSphere => 1.0 / (4.0 * PI),
+            SamplerKind::UniformHemisphere => {
+                if cosine > 0.0 {
+                    1.0 / TAU
+                } else {
+                    0.0
+                }
+            }
+            SamplerKind::CosineHemisphere => cosine.max(0.0) * FRAC_1_PI,
+            SamplerKind::UniformDisk => {
+                if w.length_squared() <= 1.0 {
+                    FRAC_1_PI
+                } else {
+                    0.0
+                }
+            }
+            SamplerKind::InterpolatedMirror => self.interpolated(w),
+        }
+    }
+
+    /// w goes through normalize((1-s) d + s m) for the unit vectors d at which the line along w crosses the sphere of
+    /// radius 1-s about s m. In the plane of w and m, with a the angle between them, sin(b) = s sin(a) / (1-s) is the
+    /// angle at which it crosses; a small patch of the sphere of d is seen foreshortened by cos(b), at distance r.
+    fn interpolated(&self, w: DVec3) -> f64 {
+        let (s, m) = (self.smoothness, self.mirror());
+        let sine = s * w.cross(m).length() / (1.0 - s);
+        if sine >= 1.0 {
+            return 0.0;
+        }
+        let cosine = (1.0 - sine * sine).sqrt();
+        let to_middle = s * w.dot(m);
+        [-1.0, 1.0]
+            .into_iter()
+            .map(|side| {
+                let r = to_middle + side * (1.0 - s) * cosine;
+                let d = (r * w - s * m) / (1.0 - s);
+                let patch = r * r / ((1.0 - s) * (1.0 - s) * cosine);
+                if r > 0.0 { self.n.dot(d).max(0.0) * FRAC_1_PI * patch } else { 0.0 }
+            })
+            .sum()
+    }
+
+    /// What single precision may make of the density at w, relative to it and absolutely: the root and the cosine to
+    /// the normal are differences of numbers up to 1, whose roundings (eight of them) weigh more the smaller the
+    /// difference.
+    pub fn tolerance(&self, w: DVec3) -> f64 {
+        let eight = 8.0 * 2f64.powi(-24);
+        if self.kind as u32 != SamplerKind::InterpolatedMirror as u32 {
+            return eight;
+        }
+        let s = self.smoothness;
+        let root2 = (s * w.dot(self.mirror())).powi(2) - (2.0 * s - 1.0);
+        let rounding = eight / (root2 * (1.0 - s)).max(1e-12);
+        let scale = 1.0 / ((1.0 - s).powi(2) * root2.max(1e-12).sqrt());
+        rounding * (self.density(w) + scale)
+    }
+}
+
+/// All samplers, each with several normals and directions of incidence, from straight to grazing.
+pub fn cases() -> Vec<Case> {
+    let normals = [DVec3::Y, DVec3::new(0.3, -0.5, 0.8), DVec3::new(-0.9, 0.1, -0.2)];
+    let mut cases = vec![];
+    for (i, n) in normals.into_iter().enumerate() {
+        // The normal that a device is given is a rounded one.
+        let n = n.normalize().as_vec3().as_dvec3().normalize();
+        let wo = |cosine: f64| {
+            let [x, _, z] = frame(n);
+            (cosine * z + (1.0 - cosine * cosine).sqrt() * x).normalize().as_vec3().as_dvec3().normalize()
+        };
+        let mut add = |kind, cosine, smoothness| cases.push(Case { kind, n, wo: wo(cosine), smoothness });
+        for kind in [SamplerKind::UniformSphere, SamplerKind::UniformHemisphere, SamplerKind::CosineHemisphere] {
+            add(kind, 0.7, 0.0);
+        }
+        if i == 0 {
+            add(SamplerKind::UniformDisk, 0.7, 0.0);
+        }
+        for smoothness in [0.0f32, 0.2, 0.5, 0.7, 0.95] {
+            let cosine = [[1.0, 0.5, 0.03], [0.9, 0.3, 0.01], [0.6, 0.1, 0.05]][i];
+            for cosine in if i == 0 { &cosine[..] } else { &cosine[1..] } {
+                add(SamplerKind::InterpolatedMirror, *cosine, f64::from(smoothness));
+            }
+        }
+    }
+    cases
+}

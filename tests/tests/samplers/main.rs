@@ -1,0 +1,21 @@
+//! What the kernels draw follows the density they state, and random numbers are random.
+
+mod densities;
+mod directions;
+mod numbers;
+
+use glam::DVec3;
+use raggio_scene::Scene;
+use raggio_tests::parse;
+
+/// Any scene: what is asked concerns none.
+fn anywhere() -> Scene {
+    parse("[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nvertical_fov_degrees = 40\n")
+}
+
+/// Perpendicular unit vectors, the third along `axis`.
+fn frame(axis: DVec3) -> [DVec3; 3] {
+    let axis = axis.normalize();
+    let (x, y) = axis.any_orthonormal_pair();
+    [x, y, axis]
+}

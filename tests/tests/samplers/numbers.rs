@@ -1,0 +1,121 @@
+//! The random numbers, and the sine and cosine made for them.
+
+use std::f64::consts::TAU;
+
+use raggio_render::{Probe, Question};
+use raggio_tests::devices::{cpu, vulkan};
+use raggio_tests::statistics::{Verdict, chi_square};
+use raggio_tests::{Pcg, TestDevice, for_each_device};
+
+use crate::anywhere;
+
+/// Pixel, sample, seed, dimension.
+type Key = [u32; 5];
+
+/// Neighbours of all kinds, as renders use them: 64 x 64 pixels, 16 samples, 8 dimensions, 2 seeds.
+fn keys() -> Vec<Key> {
+    (0..1u32 << 20).map(|i| [i & 63, (i >> 6) & 63, (i >> 12) & 15, (i >> 19) & 1, (i >> 16) & 7]).collect()
+}
+
+fn numbers(device: &TestDevice, keys: &[Key]) -> Vec<[f32; 4]> {
+    let bits = |key: &Key| key.map(f32::from_bits);
+    let question = |key: &Key| -> Question {
+        let [x, y, sample, seed, dimension] = bits(key);
+        [[x, y, sample, seed], [dimension, 0.0, 0.0, 0.0], [0.0; 4]]
+    };
+    let questions: Vec<_> = keys.iter().map(question).collect();
+    device.ask(&anywhere(), Probe::Random, &questions).into_iter().map(|answer| answer[0]).collect()
+}
+
+fn flat(counts: &[u64], total: usize) -> Vec<f64> {
+    vec![total as f64 / counts.len() as f64; counts.len()]
+}
+
+/// Each lane by itself.
+fn test_lanes(numbers: &[[f32; 4]], verdict: &mut Verdict) {
+    for lane in 0..4 {
+        let mut counts = vec![0; 1024];
+        numbers.iter().for_each(|n| counts[(n[lane] * 1024.0) as usize] += 1);
+        verdict.add(format!("lane {lane}"), chi_square(&counts, &flat(&counts, numbers.len())));
+    }
+}
+
+/// Two series of numbers against each other.
+fn test_pairs(what: String, pairs: impl Iterator<Item = (f32, f32)>, verdict: &mut Verdict) {
+    const SIDE: usize = 64;
+    let mut counts = vec![0; SIDE * SIDE];
+    let mut total = 0;
+    for (a, b) in pairs {
+        counts[(a * SIDE as f32) as usize * SIDE + (b * SIDE as f32) as usize] += 1;
+        total += 1;
+    }
+    verdict.add(what, chi_square(&counts, &flat(&counts, total)));
+}
+
+#[test]
+fn numbers_are_uniform_and_independent() {
+    for_each_device(|device| {
+        let keys = keys();
+        let own = numbers(&device, &keys);
+        for n in own.iter().flatten() {
+            let on_grid = (n * 16_777_216.0).fract() == 0.0;
+            assert!((0.0..1.0).contains(n) && on_grid, "{}: {n} is no multiple of 2^-24 in [0, 1)", device.label);
+        }
+        let mut verdict = Verdict::default();
+        test_lanes(&own, &mut verdict);
+        for (a, b) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
+            test_pairs(format!("lanes {a} and {b}"), own.iter().map(|n| (n[a], n[b])), &mut verdict);
+        }
+        for (part, what) in
+            ["pixel to the right", "pixel below", "next sample", "next seed", "next dimension"].iter().enumerate()
+        {
+            let next: Vec<Key> =
+                keys.iter().map(|key| std::array::from_fn(|i| key[i] + u32::from(i == part))).collect();
+            let next = numbers(&device, &next);
+            for lane in 0..4 {
+                for other in [lane, (lane + 1) % 4] {
+                    let pairs = own.iter().zip(&next).map(|(a, b)| (a[lane], b[other]));
+                    test_pairs(format!("lane {lane} and lane {other} of the {what}"), pairs, &mut verdict);
+                }
+            }
+        }
+        println!("{}: the least p-value is {:.2e}", device.label, verdict.least());
+        verdict.assert_all();
+    });
+}
+
+/// Integers and exact conversions: the same bits on every device.
+#[test]
+fn devices_draw_the_same_numbers() {
+    let Some(vulkan) = vulkan() else { return };
+    let random = &mut Pcg::new(3);
+    let mut keys: Vec<Key> = (0..200_000).map(|_| [(); 5].map(|()| random.bits())).collect();
+    keys.iter_mut().for_each(|key| key[..2].iter_mut().for_each(|coordinate| *coordinate &= 0xffff));
+    keys.extend(self::keys().into_iter().step_by(7));
+    let cpu = numbers(&TestDevice { label: "cpu", slow: false, device: cpu() }, &keys);
+    let vulkan = numbers(&TestDevice { label: "vulkan", slow: true, device: vulkan }, &keys);
+    for ((key, a), b) in keys.iter().zip(&cpu).zip(&vulkan) {
+        assert!(a.map(f32::to_bits) == b.map(f32::to_bits), "{key:?}: {a:?} on the CPU, {b:?} on Vulkan");
+    }
+}
+
+/// As documented: an absolute error below 2e-7.
+#[test]
+fn sine_and_cosine_are_accurate() {
+    let turns: Vec<f32> = (0..=1 << 18).map(|i| i as f32 * 2f32.powi(-18)).collect();
+    let random = &mut Pcg::new(4);
+    let turns: Vec<f32> = turns.into_iter().chain((0..200_000).map(|_| random.unit())).collect();
+    let questions: Vec<Question> = turns.iter().map(|&turn| [[turn, 0.0, 0.0, 0.0], [0.0; 4], [0.0; 4]]).collect();
+    for_each_device(|device| {
+        let mut worst = 0.0f64;
+        for (turn, answer) in turns.iter().zip(device.ask(&anywhere(), Probe::SinCos, &questions)) {
+            let (sin, cos) = (TAU * f64::from(*turn)).sin_cos();
+            let error = (f64::from(answer[0][0]) - sin).abs().max((f64::from(answer[0][1]) - cos).abs());
+            let [found_sin, found_cos, ..] = answer[0];
+            let found = format!("found {found_sin} and {found_cos}");
+            assert!(error < 2e-7, "{}: of {turn} turns: expected {sin} and {cos}, {found}", device.label);
+            worst = worst.max(error);
+        }
+        println!("{}: worst error of sine and cosine {worst:.2e}", device.label);
+    });
+}
