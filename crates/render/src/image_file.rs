@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use exr::prelude::{SpecificChannels, WritableImage};
 use image::ImageEncoder;
-use image::codecs::png::PngEncoder;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use raggio_kernels::cpu::{Buffers, InstructionSet, dispatch};
 use raggio_kernels::{EntryPoint, ToneMapper, Work};
 
@@ -126,7 +126,7 @@ fn write_png(film: &Film, display: Display, to: &mut impl Write) -> io::Result<(
     // The fourth byte, opacity, says nothing here.
     let rgb = |pixel: u32| pixel.to_le_bytes().into_iter().take(3);
     let pixels: Vec<u8> = displayed(film, display).into_iter().flat_map(rgb).collect();
-    PngEncoder::new(to)
+    PngEncoder::new_with_quality(to, CompressionType::Best, FilterType::Adaptive)
         .write_image(&pixels, film.width(), film.height(), image::ExtendedColorType::Rgb8)
         .map_err(io::Error::other)
 }
