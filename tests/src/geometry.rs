@@ -19,6 +19,8 @@ pub struct Ray {
     pub origin: DVec3,
     /// Where it goes.
     pub direction: DVec3,
+    /// How far the device may have started it from `origin`.
+    pub origin_error: f64,
 }
 
 /// A crossing of a ray with the surface of a shape.
@@ -133,7 +135,7 @@ fn sphere(center: DVec3, radius: f64, ray: &Ray) -> Vec<Event> {
     let b = -from_center.dot(direction);
     let to_line = from_center + b * direction;
     // The line may pass this much nearer to the centre or farther from it.
-    let moved = ROUNDINGS * EPSILON * (from_center.length() + radius);
+    let moved = ROUNDINGS * EPSILON * (from_center.length() + radius) + ray.origin_error;
     let chord2 = radius * radius - to_line.length_squared();
     let chord2_tolerance = 2.0 * to_line.length().max(radius) * moved + moved * moved;
     if chord2 < -chord2_tolerance {

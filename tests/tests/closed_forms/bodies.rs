@@ -203,7 +203,7 @@ impl<'a> Reference<'a> {
                 None => ray.direction - 2.0 * ray.direction.dot(normal) * normal,
             };
             let direction = direction.normalize();
-            ray = Ray { origin: ray.at(event.distance) + 1e-9 * direction, direction };
+            ray = Ray { origin: ray.at(event.distance) + 1e-9 * direction, direction, origin_error: 0.0 };
         }
         None
     }
@@ -220,7 +220,9 @@ impl<'a> Reference<'a> {
     /// bodies: more than the two ten-thousandths by which rays start off a sheet of this size, which decides where
     /// two bodies meet.
     fn stable_radiance(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
-        let radiance = |offset: DVec3| self.radiance(Ray { origin, direction: (direction + offset).normalize() });
+        let radiance = |offset: DVec3| {
+            self.radiance(Ray { origin, direction: (direction + offset).normalize(), origin_error: 0.0 })
+        };
         let offsets = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y].map(|axis| axis * 1e-4);
         let middle = radiance(DVec3::ZERO);
         offsets.iter().all(|&offset| (radiance(offset) - middle).abs() < 1e-9).then_some(middle)

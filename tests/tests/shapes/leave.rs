@@ -68,12 +68,14 @@ fn outward(surface: &Answer, leaving: Vec3) -> bool {
 }
 
 /// The ray as it must have left: moved along the normal by 32 roundings of the surface's scale. In single precision,
-/// for where its origin is rounded to decides how far the other side of a small shape is.
+/// for where its origin is rounded to decides how far the other side of a small shape is; a GPU may fuse the product and
+/// the sum, and then rounds to the neighbouring number.
 fn onward_ray(surface: &Answer, leaving: Vec3) -> Ray {
     let side = if outward(surface, leaving) { 1.0 } else { -1.0 };
     let step = side * 32.0 * (0.5 * f32::EPSILON) * surface[1][3];
     let origin = Vec3::from_slice(&surface[1]) + step * Vec3::from_slice(&surface[2]);
-    Ray { origin: origin.as_dvec3(), direction: leaving.as_dvec3() }
+    let origin_error = f64::from(f32::EPSILON) * f64::from(origin.abs().max_element());
+    Ray { origin: origin.as_dvec3(), direction: leaving.as_dvec3(), origin_error }
 }
 
 #[test]

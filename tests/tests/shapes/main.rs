@@ -65,7 +65,7 @@ impl SingleRay {
     }
 
     fn exact(&self) -> Ray {
-        Ray { origin: self.origin.as_dvec3(), direction: self.direction.as_dvec3() }
+        Ray { origin: self.origin.as_dvec3(), direction: self.direction.as_dvec3(), origin_error: 0.0 }
     }
 
     fn question(&self, third: [f32; 3]) -> Question {
