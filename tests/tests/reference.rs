@@ -6,11 +6,11 @@ use raggio_render::Image;
 use raggio_scene::Scene;
 use raggio_tests::compare::{difference, leave_behind, read_exr};
 use raggio_tests::devices::{cpu, vulkan};
-use raggio_tests::render;
+use raggio_tests::{for_each_device, render};
 use raggio_tests::render::{means, relative_difference};
 
-/// Scenes with the samples per pixel that bring the naive path tracer's noise below the bounds, and those that
-/// software Vulkan can afford.
+/// Scenes with the samples per pixel that bring the naive path tracer's noise below the bounds, and those at which the
+/// devices are compared with each other.
 const SCENES: [(&str, u32, u32); 5] = [
     ("cornell", 4096, 192),
     ("spheres", 4096, 768),
@@ -31,21 +31,26 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).into()
 }
 
+/// On the CPU and on Vulkan.
 fn matches_reference(name: &str) {
     let samples = SCENES.iter().find(|s| s.0 == name).expect("a listed scene").1;
-    let film = render(cpu(), &scene(name), samples);
-    assert_eq!(film.rejected(), 0, "{name}: samples without a finite value");
-    let (reference, image) = (reference(name), film.mean());
-    let found = difference(&reference, &image);
-    println!("{name}: {found:?}");
-    if !found.within_bounds() {
-        let folder = leave_behind(name, &reference, &image);
-        panic!(
-            "{name} at {samples} samples: expected a mean within 0.5 %, a median block within 1 %, the 95th percentile \
-             within 4 % of the reference, found {found:?}; see {}/{name}-*.png",
-            folder.display()
-        );
-    }
+    let (scene, reference) = (scene(name), reference(name));
+    for_each_device(|device| {
+        let film = render(device.device, &scene, samples);
+        let label = format!("{name}-{}", device.label);
+        assert_eq!(film.rejected(), 0, "{label}: samples without a finite value");
+        let image = film.mean();
+        let found = difference(&reference, &image);
+        println!("{label}: {found:?}");
+        if !found.within_bounds() {
+            let folder = leave_behind(&label, &reference, &image);
+            panic!(
+                "{label} at {samples} samples: expected a mean within 0.5 %, a median block within 1 %, the 95th \
+                 percentile within 4 % of the reference, found {found:?}; see {}/{label}-*.png",
+                folder.display()
+            );
+        }
+    });
 }
 
 #[test]
@@ -73,11 +78,9 @@ fn weekend() {
     matches_reference("weekend");
 }
 
-/// At the samples that software Vulkan can afford noise exceeds the bounds in most scenes. But the CPU draws the same
-/// random numbers, and its picture at many samples is the reference's (above): at equal samples the two must agree to
-/// rounding. A path whose decision a rounding turned is another sample of the same pixel. On lavapipe 12,288 of the
-/// 12,288 pixels agree to 1e-5 in the first four scenes and 12,033 in the last, whose paths meet hundreds of small
-/// spheres; the means agree to 5e-7.
+/// Both draw the same random numbers, so at equal samples they must agree to rounding. A path whose decision a rounding
+/// turned is another sample of the same pixel. On lavapipe 12,288 of the 12,288 pixels agree to 1e-5 in the first four
+/// scenes and 12,033 in the last, whose paths meet hundreds of small spheres; the means agree to 5e-7.
 #[test]
 fn vulkan_draws_the_pictures_of_the_cpu() {
     let Some(vulkan) = vulkan() else { return };
