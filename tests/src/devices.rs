@@ -48,24 +48,24 @@ pub fn for_each_device(test: impl Fn(TestDevice)) {
 /// The CPU with default options.
 pub fn cpu() -> &'static dyn Device {
     static CPU: OnceLock<Box<dyn Device>> = OnceLock::new();
-    &**CPU.get_or_init(|| open(DeviceChoice::Cpu, OpenOptions::default()).expect("the CPU is always there"))
+    &**CPU.get_or_init(|| open(DeviceChoice::Cpu, OpenOptions::default(), |_| ()).expect("the CPU is always there"))
 }
 
 /// The best Vulkan device, with validation; `None` where there is none.
 ///
 /// # Panics
-/// If there is none and `RAGGIO_REQUIRE_VULKAN=1` says that there has to be.
+/// If there is none and `RAGGIO_TEST_EVERYTHING=1` says that there has to be one.
 pub fn vulkan() -> Option<&'static dyn Device> {
     static VULKAN: OnceLock<Option<Box<dyn Device>>> = OnceLock::new();
     VULKAN.get_or_init(open_vulkan).as_deref()
 }
 
 fn open_vulkan() -> Option<Box<dyn Device>> {
-    let required = std::env::var("RAGGIO_REQUIRE_VULKAN").is_ok_and(|value| value == "1");
-    match open(DeviceChoice::Vulkan(None), OpenOptions { validate: true, ..OpenOptions::default() }) {
+    let required = std::env::var("RAGGIO_TEST_EVERYTHING").is_ok_and(|value| value == "1");
+    match open(DeviceChoice::Vulkan(None), OpenOptions { validate: true, ..OpenOptions::default() }, |_| ()) {
         Ok(device) => Some(device),
         Err(error) => {
-            assert!(!required, "RAGGIO_REQUIRE_VULKAN=1, and Vulkan cannot be used: {error}");
+            assert!(!required, "RAGGIO_TEST_EVERYTHING=1, and Vulkan cannot be used: {error}");
             eprintln!("testing the CPU alone, for Vulkan cannot be used: {error}");
             None
         }

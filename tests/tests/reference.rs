@@ -6,8 +6,8 @@ use raggio_render::Image;
 use raggio_scene::Scene;
 use raggio_tests::compare::{difference, leave_behind, read_exr};
 use raggio_tests::devices::{cpu, vulkan};
-use raggio_tests::{for_each_device, render};
 use raggio_tests::render::{means, relative_difference};
+use raggio_tests::{for_each_device, render};
 
 /// Scenes with the samples per pixel that bring the naive path tracer's noise below the bounds, and those at which the
 /// devices are compared with each other.

@@ -47,7 +47,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
     /// Brighten (or darken) PNGs by this many stops
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
     pub exposure: f32,
     /// How PNGs squeeze radiance into what a display can show
     #[arg(long, value_enum, default_value_t = ToneMapperName::Neutral)]
@@ -121,6 +121,13 @@ impl FromStr for Size {
             .and_then(|(width, height)| Some(Self { width: side(width)?, height: side(height)? }))
             .ok_or_else(|| "give width and height in pixels, each 1 to 65536, as in 1280x720".into())
     }
+}
+
+fn stops(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|stops| (-32.0..=32.0).contains(stops))
+        .ok_or_else(|| "give stops between -32 and 32".into())
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

@@ -1,3 +1,4 @@
+use std::path::Path;
 use std::process::ExitCode;
 
 use raggio_render::{DeviceError, OutputError, TranslationError};
@@ -51,4 +52,9 @@ impl From<DeviceError> for Failure {
     fn from(error: DeviceError) -> Self {
         Self::Device(error.to_string())
     }
+}
+
+/// A file that was asked for.
+pub fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::Input(format!("cannot write {}: {error}", path.display()))
 }

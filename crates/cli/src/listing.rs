@@ -1,15 +1,10 @@
-use std::io::Write;
 use std::path::Path;
 
 use raggio_render::DeviceScene;
 use raggio_scene::Scene;
 
 use crate::error::Failure;
-
-/// On standard output; whoever stops reading, such as `head`, has had enough.
-fn print(text: &str) {
-    let _ = writeln!(std::io::stdout(), "{text}");
-}
+use crate::output::{print, say};
 
 pub fn devices() -> Result<(), Failure> {
     let (devices, trouble) = raggio_render::devices();
@@ -25,7 +20,7 @@ pub fn devices() -> Result<(), Failure> {
         } else {
             format!("cannot be used: lacks {}", device.missing.join(", "))
         };
-        print(&format!(
+        print(format_args!(
             "{:id_width$}  {:name_width$}  {:10}  {:driver_width$}  {:>10}  {state}",
             device.id,
             device.name,
@@ -35,7 +30,7 @@ pub fn devices() -> Result<(), Failure> {
         ));
     }
     if let Some(trouble) = trouble {
-        print(&format!("vulkan    none: {trouble}"));
+        print(format_args!("vulkan    none: {trouble}"));
     }
     Ok(())
 }
@@ -44,10 +39,10 @@ pub fn check(path: &Path) -> Result<(), Failure> {
     let scene = Scene::load(path)?;
     DeviceScene::new(&scene).map_err(|e| Failure::Input(format!("{}: {e}", path.display())))?;
     for warning in &scene.warnings {
-        eprintln!("warning: {warning}");
+        say(format_args!("warning: {warning}"));
     }
     let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
-    print(&format!(
+    print(format_args!(
         "{}: {}, {}, {}x{}, {}",
         path.display(),
         count(scene.shapes.len(), "shape"),
@@ -60,6 +55,6 @@ pub fn check(path: &Path) -> Result<(), Failure> {
 }
 
 pub fn schema() -> Result<(), Failure> {
-    print(&raggio_scene::schema());
+    print(raggio_scene::schema());
     Ok(())
 }

@@ -3,6 +3,7 @@
 mod args;
 mod error;
 mod listing;
+mod output;
 mod progress;
 mod render;
 mod stats;
@@ -14,9 +15,10 @@ use clap::Parser;
 use args::{Arguments, Command};
 
 fn main() -> ExitCode {
-    // What a user cannot do anything about is still one sentence, not a backtrace.
+    // What a user cannot do anything about is still one sentence, not a backtrace, and a status of the documented ones.
     std::panic::set_hook(Box::new(|info| {
-        eprintln!("error: raggio has a fault of its own, please report it: {info}");
+        output::say(format_args!("error: raggio has a fault of its own, please report it: {info}"));
+        std::process::exit(3);
     }));
     let outcome = match Arguments::parse().command {
         Command::Render(arguments) => render::render(&arguments),
@@ -28,7 +30,7 @@ fn main() -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            output::say(format_args!("error: {error}"));
             error.exit_code()
         }
     }

@@ -4,6 +4,8 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use raggio_render::Progress;
 
+use crate::output::say;
+
 /// Tells the user how a render goes: a bar on a terminal, now and then a line elsewhere, nothing when quiet.
 pub enum Reporter {
     Quiet,
@@ -31,7 +33,7 @@ impl Reporter {
         match self {
             Self::Quiet => {}
             Self::Bar { bar, .. } => bar.println(line),
-            Self::Lines { .. } => eprintln!("{line}"),
+            Self::Lines { .. } => say(line),
         }
     }
 
@@ -44,7 +46,7 @@ impl Reporter {
             }
             Self::Lines { target, next, pause } => {
                 if Instant::now() >= *next {
-                    eprintln!("{:3.0}%  {}", 100.0 * progress.fraction, describe(progress, *target));
+                    say(format_args!("{:3.0}%  {}", 100.0 * progress.fraction, describe(progress, *target)));
                     // Long renders need no line every two seconds.
                     *pause = (*pause * 3 / 2).min(Duration::from_secs(60));
                     *next = Instant::now() + *pause;

@@ -7,7 +7,8 @@ use raggio_render::{DeviceScene, Display, Film, ImageFile, Progress, Renderer};
 use raggio_scene::Scene;
 
 use crate::args::{DemoArguments, MachineArguments, Overrides, RenderArguments};
-use crate::error::Failure;
+use crate::error::{Failure, cannot_write};
+use crate::output::say;
 use crate::progress::{Reporter, duration, millions};
 use crate::stats::Stats;
 
@@ -17,13 +18,13 @@ const SHOWCASE: &str = include_str!("../../../scenes/showcase.toml");
 pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
     let scene = Scene::load(&arguments.scene)?;
     let outputs = if arguments.output.is_empty() {
-        vec![PathBuf::from(arguments.scene.file_stem().unwrap_or_default()).with_extension("png")]
+        // Appended, for `a.b.toml` is not to become `a.png`.
+        let mut name = arguments.scene.file_stem().unwrap_or_default().to_owned();
+        name.push(".png");
+        vec![PathBuf::from(name)]
     } else {
         arguments.output.clone()
     };
-    if !arguments.exposure.is_finite() {
-        return Err(Failure::Input("--exposure must be a finite number of stops".into()));
-    }
     let display = Display { exposure: arguments.exposure, tone_mapper: arguments.tone_mapper.into() };
     let job = Job {
         outputs: &outputs,
@@ -62,14 +63,20 @@ impl Job<'_> {
         let start = Instant::now();
         // What can fail early fails before any time is spent.
         let files = self.outputs.iter().map(|path| ImageFile::new(path)).collect::<Result<Vec<_>, _>>()?;
+        if let Some(path) = self.stats {
+            raggio_render::check_writable(path).map_err(|e| cannot_write(path, &e))?;
+        }
         self.override_settings(&mut scene);
         check_memory(&scene)?;
-        if !self.machine.quiet {
-            scene.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
-        }
+        let warn = |warning: &str| {
+            if !self.machine.quiet {
+                say(format_args!("warning: {warning}"));
+            }
+        };
+        scene.warnings.iter().for_each(|warning| warn(warning));
 
         let device_scene = DeviceScene::new(&scene)?;
-        let device = raggio_render::open(self.machine.device, self.machine.options())?;
+        let device = raggio_render::open(self.machine.device, self.machine.options(), warn)?;
         let session = device.load(&device_scene)?;
         let settings = &scene.render;
         let mut renderer = Renderer::new(session, settings.width, settings.height, settings.samples);
@@ -79,15 +86,21 @@ impl Job<'_> {
         let setup_seconds = start.elapsed().as_secs_f64();
 
         let (progress, film, fault) = sample(&mut renderer, &mut reporter)?;
+        report(&reporter, &film, &progress, settings.samples);
+        // One that cannot be written is no reason to lose the others.
+        let mut outcome = fault.map_or(Ok(()), Err);
         for file in &files {
-            file.write(&film, self.display)?;
+            match file.write(&film, self.display) {
+                Ok(()) => reporter.say(&format!("wrote {}", file.path().display())),
+                Err(error) => outcome = outcome.and(Err(error.into())),
+            }
         }
         if let Some(path) = self.stats {
             let (max_depth, shapes) = (settings.max_depth, device_scene.shapes());
-            Stats { device: &device_name, film: &film, progress, max_depth, setup_seconds, shapes }.write(path)?;
+            let stats = Stats { device: &device_name, film: &film, progress, max_depth, setup_seconds, shapes };
+            outcome = outcome.and(stats.write(path));
         }
-        report(&reporter, &files, &film, &progress, settings.samples);
-        fault.map_or(Ok(()), Err)
+        outcome
     }
 
     fn override_settings(&self, scene: &mut Scene) {
@@ -137,13 +150,13 @@ fn on_interrupt() -> Arc<AtomicBool> {
     interrupted
 }
 
-fn report(reporter: &Reporter, files: &[ImageFile], film: &Film, progress: &Progress, target: u32) {
+fn report(reporter: &Reporter, film: &Film, progress: &Progress, target: u32) {
     if film.rejected() > 0 {
-        eprintln!(
+        say(format_args!(
             "warning: {} samples had no finite value, or more than {} dielectrics overlapped there; they were left out",
             film.rejected(),
             raggio_render::MAX_NESTED_MEDIA
-        );
+        ));
     }
     if progress.samples < target {
         reporter.say(&format!("stopped early: {} of {target} samples per pixel", progress.samples));
@@ -157,9 +170,6 @@ fn report(reporter: &Reporter, files: &[ImageFile], film: &Film, progress: &Prog
         millions(progress.total_samples as f64 / seconds),
         millions(film.rays() as f64 / seconds),
     ));
-    for file in files {
-        reporter.say(&format!("wrote {}", file.path().display()));
-    }
 }
 
 /// The film and its copies while files are written must fit the machine, or the system would end the program halfway.

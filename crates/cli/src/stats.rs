@@ -3,7 +3,7 @@ use std::path::Path;
 use raggio_render::{Film, Progress};
 use serde_json::json;
 
-use crate::error::Failure;
+use crate::error::{Failure, cannot_write};
 
 /// What a render did, for `--stats`.
 pub struct Stats<'a> {
@@ -34,8 +34,7 @@ impl Stats<'_> {
             "triangles": 0,
             "shapes": self.shapes,
         });
-        raggio_render::write_whole(path, format!("{stats:#}\n").as_bytes())
-            .map_err(|e| Failure::Input(format!("cannot write {}: {e}", path.display())))
+        raggio_render::write_whole(path, format!("{stats:#}\n").as_bytes()).map_err(|e| cannot_write(path, &e))
     }
 }
 

@@ -49,7 +49,8 @@ fn wrong_arguments_are_explained() {
     refused(&["--seed", "x"], "'x'");
     refused(&["--device", "gpu"], "give auto, cpu, vulkan or vulkan:N, with N as in `raggio devices`");
     refused(&["--device", "vulkan:x"], "give auto, cpu, vulkan or vulkan:N");
-    refused(&["--exposure", "nan"], "--exposure must be a finite number of stops");
+    refused(&["--exposure", "nan"], "give stops between -32 and 32");
+    refused(&["--exposure", "200"], "give stops between -32 and 32");
     refused(&["--integrator", "magic"], "possible values: reference");
     refused(&["--sampels", "3"], "'--samples'");
     assert!(!folder.path().join("scene.png").exists());

@@ -151,7 +151,7 @@ fn progress_is_plain_lines_where_there_is_no_terminal() {
     let output = raggio(folder.path(), &["render", "scene.toml", "--device", "cpu"]);
     let said = text(&output.stderr);
     assert!(said.contains("32x24, 4 samples on "), "{said}");
-    assert!(said.contains("samples/s") && said.contains("rays/s"), "{said}");
+    assert!(said.contains(" rays in ") && said.contains("rays/s"), "{said}");
     assert!(said.contains("wrote scene.png"), "{said}");
     assert!(!said.contains('\u{1b}') && !said.contains('\r'), "no terminal codes: {said:?}");
 }
@@ -201,25 +201,94 @@ fn a_picture_can_be_read_by_whom_any_new_file_can() {
 #[cfg(unix)]
 #[test]
 fn interrupting_writes_what_there_is() {
+    use std::io::{BufRead, BufReader};
     let folder = folder_with(&SCENE.replace("samples = 4", "samples = 2000000000"));
-    let child = std::process::Command::new(env!("CARGO_BIN_EXE_raggio"))
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_raggio"))
         .args(["render", "scene.toml", "--device", "cpu", "--stats", "s.json"])
         .current_dir(folder.path())
         .stderr(std::process::Stdio::piped())
         .spawn()
         .expect("raggio starts");
-    std::thread::sleep(std::time::Duration::from_millis(1500));
+    let mut lines = BufReader::new(child.stderr.take().expect("a pipe")).lines().map(|line| line.expect("UTF-8"));
+    // The first line of progress comes after two seconds: samples, rate, time left.
+    let progress = lines.by_ref().find(|line| line.contains('%')).expect("progress is told");
+    let told = ["/2000000000 samples  ", " M samples/s  ", " left"].iter().all(|part| progress.contains(part));
+    assert!(told, "{progress}");
+
     let pid = child.id().to_string();
     assert!(std::process::Command::new("kill").args(["-INT", &pid]).status().expect("kill runs").success());
-    let output = child.wait_with_output().expect("raggio ends");
-    let said = text(&output.stderr);
-    assert!(output.status.success(), "{said}");
-    assert!(said.contains("stopped early: ") && said.contains("of 2000000000 samples per pixel"), "{said}");
+    let said: Vec<_> = lines.collect();
+    assert!(child.wait().expect("raggio ends").success(), "{said:?}");
+    let stopped =
+        |line: &String| line.starts_with("stopped early: ") && line.ends_with("of 2000000000 samples per pixel");
+    assert!(said.iter().any(stopped), "{said:?}");
     let picture = image::open(folder.path().join("scene.png")).expect("a PNG").to_rgb8();
     assert_ne!(picture.get_pixel(16, 23).0, [0, 0, 0], "the last row has samples too");
     let stats = std::fs::read_to_string(folder.path().join("s.json")).expect("stats");
     let stats: serde_json::Value = serde_json::from_str(&stats).expect("JSON");
     assert!(stats["samples_per_pixel"].as_u64().expect("a count") > 0);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_closed_standard_error_does_not_stop_the_render() {
+    let folder = folder_with(SCENE);
+    let status = std::process::Command::new("sh")
+        .args(["-c", &format!("'{}' render scene.toml --device cpu 2>&-", env!("CARGO_BIN_EXE_raggio"))])
+        .current_dir(folder.path())
+        .status()
+        .expect("sh starts");
+    assert!(status.success());
+    assert!(image::open(folder.path().join("scene.png")).is_ok());
+}
+
+#[cfg(unix)]
+#[test]
+fn links_are_followed_and_devices_left_alone() {
+    let folder = folder_with(SCENE);
+    std::fs::write(folder.path().join("target.png"), "old").expect("a file");
+    std::os::unix::fs::symlink("target.png", folder.path().join("link.png")).expect("a link");
+    let arguments = ["render", "scene.toml", "--device", "cpu", "-o", "link.png", "--stats", "/dev/null"];
+    let output = raggio(folder.path(), &arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(folder.path().join("link.png").is_symlink());
+    assert!(image::open(folder.path().join("target.png")).is_ok());
+    assert!(!Path::new("/dev/null").metadata().expect("the null device").is_file());
+}
+
+#[test]
+fn dots_in_a_name_stay() {
+    let folder = folder_with("");
+    std::fs::write(folder.path().join("room.v2.toml"), SCENE).expect("a file");
+    assert!(raggio(folder.path(), &["render", "room.v2.toml", "--device", "cpu"]).status.success());
+    assert!(folder.path().join("room.v2.png").exists());
+}
+
+#[test]
+fn statistics_that_cannot_be_written_are_refused_before_rendering() {
+    let folder = folder_with(&SCENE.replace("samples = 4", "samples = 2000000000"));
+    let output = raggio(folder.path(), &["render", "scene.toml", "--device", "cpu", "--stats", "nowhere/s.json"]);
+    assert_refused(&output, "cannot write nowhere/s.json: ");
+}
+
+#[test]
+fn automatic_choice_renders_everywhere_and_validation_is_silent() {
+    let folder = folder_with(SCENE);
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_raggio"))
+        .args(["render", "scene.toml"])
+        .env("RAGGIO_VALIDATE", "1")
+        .current_dir(folder.path())
+        .output()
+        .expect("raggio starts");
+    let said = text(&output.stderr);
+    if said.contains("needs the Vulkan validation layers") {
+        // Told, not passed over.
+        assert_eq!(output.status.code(), Some(3));
+        return;
+    }
+    assert!(output.status.success() && !said.contains("vulkan validation"), "{said}");
+    // Software Vulkan is never chosen by itself.
+    assert!(!said.contains("llvmpipe"), "{said}");
 }
 
 #[test]

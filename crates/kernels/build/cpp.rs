@@ -71,6 +71,7 @@ fn translation_unit(suffix: &str) -> String {
 fn compile_unit(unit: &Path, out: &Path, suffix: &str, flag: Option<&str>) -> Result<(), String> {
     let mut build = cc::Build::new();
     build.cpp(true).std("c++17").opt_level(3).warnings(false).include(out).file(unit);
+    println!("cargo:rerun-if-env-changed=RAGGIO_KERNEL_ASSERTS");
     if std::env::var_os("RAGGIO_KERNEL_ASSERTS").is_some() {
         build.define("SLANG_PRELUDE_ENABLE_ASSERT", None);
     }

@@ -27,6 +27,7 @@ pub fn generate(modules: &Modules, out: &Path) -> Result<(), String> {
     }
     text += &types.text;
     text += &scene_buffers(&scene_cpp)?;
+    text += &index_checks(&scene_cpp, &modules.kernels)?;
     text += &places(&cpp, &spirv, &scene_cpp, &scene_spirv)?;
     text += &enumerations_and_constants(&modules.kernels)?;
     std::fs::write(out.join("layout.rs"), text).map_err(|e| format!("cannot write the layouts: {e}"))
@@ -154,6 +155,31 @@ fn scene_buffers(buffers: &[Buffer]) -> Result<String, String> {
         text,
         "}}\n\nimpl SceneBuffers {{\n    /// The buffers in the order of [`SCENE_BINDINGS`].\n    pub fn bytes(&self) -> [BufferBytes<'_>; {count}] {{\n        [\n{slices}        ]\n    }}\n}}\n\n"
     );
+    Ok(text)
+}
+
+/// Lookups for `SceneBuffers::check` that a new kind of shape must not be forgotten in.
+fn index_checks(buffers: &[Buffer], kernels: &Path) -> Result<String, String> {
+    let mut text = String::from(
+        "impl SceneBuffers {\n    /// The largest material index that any element names.\n    pub(crate) fn largest_material(&self) -> Option<u32> {\n        let mut all = Vec::new();\n",
+    );
+    for Buffer { name, element, .. } in buffers {
+        let fields = element["fields"].as_array();
+        if fields.is_some_and(|fields| fields.iter().any(|field| field["name"] == "material")) {
+            let _ = writeln!(text, "        all.extend(self.{name}.iter().map(|element| element.material).max());");
+        }
+    }
+    text += "        all.into_iter().max()\n    }\n\n    /// How many shapes there are of a kind; none of an unknown kind.\n    pub(crate) fn shapes_of_kind(&self, kind: u32) -> usize {\n        match kind {\n";
+    let list = std::fs::read_to_string(kernels.join("shapes/list.slang"))
+        .map_err(|e| format!("cannot read the list of shapes: {e}"))?;
+    let kinds = list.split_once("enum ShapeKind : uint").and_then(|(_, rest)| rest.split_once('}'));
+    let (kinds, _) = kinds.ok_or("kernels/shapes/list.slang has no `enum ShapeKind : uint`")?;
+    for kind in kinds.lines().filter_map(|line| line.trim().split_once(" = ")).map(|(kind, _)| kind) {
+        let buffer = buffers.iter().find(|buffer| buffer.element["name"] == kind);
+        let name = &buffer.ok_or(format!("no buffer of the scene holds shapes of kind {kind}"))?.name;
+        let _ = writeln!(text, "            k if k == ShapeKind::{kind} as u32 => self.{name}.len(),");
+    }
+    text += "            _ => 0,\n        }\n    }\n}\n\n";
     Ok(text)
 }
 

@@ -123,8 +123,9 @@ fn version(slangc: &Path) -> Option<String> {
 fn watch(depfile: &Path) -> Result<(), String> {
     let text = std::fs::read_to_string(depfile).map_err(|e| format!("cannot read slangc's dependencies: {e}"))?;
     let (_, files) = text.split_once(": ").ok_or("slangc's dependencies have no target")?;
-    for file in files.split_whitespace() {
-        println!("cargo:rerun-if-changed={file}");
+    // As in a makefile, a space inside a name has a backslash before it.
+    for file in files.replace("\\ ", "\0").split_whitespace() {
+        println!("cargo:rerun-if-changed={}", file.replace('\0', " "));
     }
     Ok(())
 }

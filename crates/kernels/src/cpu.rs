@@ -45,7 +45,14 @@ impl InstructionSet {
     fn supported(self) -> bool {
         use std::arch::is_x86_feature_detected as has;
         let v2 = has!("sse4.2") && has!("popcnt") && has!("cmpxchg16b");
-        let v3 = v2 && has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("f16c") && has!("lzcnt");
+        let v3 = v2
+            && has!("avx2")
+            && has!("fma")
+            && has!("bmi1")
+            && has!("bmi2")
+            && has!("f16c")
+            && has!("lzcnt")
+            && has!("movbe");
         let v4 = v3 && has!("avx512f") && has!("avx512bw") && has!("avx512cd") && has!("avx512dq") && has!("avx512vl");
         match self {
             Self::X86V4 => v4,

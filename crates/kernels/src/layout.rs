@@ -48,32 +48,22 @@ impl SceneBuffers {
         if self.camera_media.len() > MAX_NESTED_MEDIA as usize {
             return fail("more media around the camera than a path can remember");
         }
-        let known = |material: u32| (material as usize) < self.materials.len();
-        let shapes_known = self.spheres.iter().all(|s| known(s.material))
-            && self.planes.iter().all(|s| known(s.material))
-            && self.rectangles.iter().all(|s| known(s.material))
-            && self.boxes.iter().all(|s| known(s.material));
-        if !shapes_known || !self.camera_media.iter().all(|&m| known(m)) {
+        if self.largest_material().is_some_and(|material| material as usize >= self.materials.len()) {
             return fail("a material index is too large");
         }
-        let in_its_buffer = |reference: &ShapeReference| {
-            let length = match reference.kind {
-                k if k == ShapeKind::Sphere as u32 => self.spheres.len(),
-                k if k == ShapeKind::Plane as u32 => self.planes.len(),
-                k if k == ShapeKind::Rectangle as u32 => self.rectangles.len(),
-                k if k == ShapeKind::Box as u32 => self.boxes.len(),
-                _ => 0,
-            };
-            (reference.index as usize) < length
-        };
-        if !self.order.iter().all(in_its_buffer) {
+        if !self.order.iter().all(|shape| (shape.index as usize) < self.shapes_of_kind(shape.kind)) {
             return fail("a shape index is too large");
+        }
+        if !self.camera_media.iter().all(|medium| (medium.shape as usize) < self.order.len()) {
+            return fail("a medium around the camera is no shape");
         }
         self.check_hierarchy()
     }
 
-    /// Children come after their parents, leaves stay inside `order`, and no branch is deeper than the kernels' stack.
+    /// Children have one parent and come after it, leaves stay inside `order`, and no branch is deeper than the kernels'
+    /// stack.
     fn check_hierarchy(&self) -> Result<(), BrokenScene> {
+        let not_a_tree = || Err(BrokenScene("the hierarchy is not a tree that fits the kernels' stack".into()));
         let mut depth = vec![0u32; self.nodes.len()];
         for (i, node) in self.nodes.iter().enumerate() {
             let first = node.first as usize;
@@ -81,13 +71,62 @@ impl SceneBuffers {
                 if first + node.count as usize > self.order.len() {
                     return Err(BrokenScene("a leaf of the hierarchy reaches past the shapes".into()));
                 }
-            } else if first <= i || first + 1 >= self.nodes.len() || depth[i] + 1 >= MAX_BVH_DEPTH {
-                return Err(BrokenScene("the hierarchy is not a tree that fits the kernels' stack".into()));
-            } else {
-                depth[first] = depth[i] + 1;
-                depth[first + 1] = depth[i] + 1;
+                continue;
+            }
+            if first <= i || first + 1 >= self.nodes.len() || depth[i] + 1 >= MAX_BVH_DEPTH {
+                return not_a_tree();
+            }
+            for child in [first, first + 1] {
+                // Only nodes without a parent have depth 0, and only the root may stay so.
+                if depth[child] != 0 {
+                    return not_a_tree();
+                }
+                depth[child] = depth[i] + 1;
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with_nodes(nodes: &[(u32, u32)]) -> SceneBuffers {
+        let node = |&(first, count): &(u32, u32)| BvhNode { first, count, ..BvhNode::default() };
+        SceneBuffers {
+            camera: vec![Camera::default()],
+            sky: vec![Sky::default()],
+            spheres: vec![Sphere::default()],
+            order: vec![ShapeReference { kind: ShapeKind::Sphere as u32, index: 0 }],
+            materials: vec![Material::default()],
+            nodes: nodes.iter().map(node).collect(),
+            counts: vec![SceneCounts { shapes: 1, nodes: nodes.len() as u32, ..SceneCounts::default() }],
+            ..SceneBuffers::default()
+        }
+    }
+
+    #[test]
+    fn a_tree_passes() {
+        assert_eq!(with_nodes(&[(1, 0), (0, 1), (0, 1)]).check(), Ok(()));
+    }
+
+    #[test]
+    fn indices_that_point_nowhere_are_refused() {
+        let refused = |buffers: SceneBuffers| assert!(buffers.check().is_err(), "{buffers:?}");
+        // A leaf past the shapes, a child before its parent, a missing child, a shared child.
+        refused(with_nodes(&[(0, 2)]));
+        refused(with_nodes(&[(0, 0), (0, 1)]));
+        refused(with_nodes(&[(1, 0), (0, 1)]));
+        refused(with_nodes(&[(1, 0), (3, 0), (3, 0), (0, 1), (0, 1)]));
+        let deep: Vec<_> = (0..MAX_BVH_DEPTH).flat_map(|i| [(2 * i + 1, 0), (0, 1)]).skip(1).collect();
+        refused(with_nodes(&[&[(1, 0)], &deep[..], &[(0, 1), (0, 1)]].concat()));
+
+        let tree = || with_nodes(&[(0, 1)]);
+        refused(SceneBuffers { materials: vec![], ..tree() });
+        refused(SceneBuffers { spheres: vec![], ..tree() });
+        refused(SceneBuffers { order: vec![ShapeReference { kind: 99, index: 0 }], ..tree() });
+        refused(SceneBuffers { camera_media: vec![CameraMedium { shape: 1, material: 0 }], ..tree() });
+        refused(SceneBuffers { sky: vec![], ..tree() });
     }
 }

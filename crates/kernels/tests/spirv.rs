@@ -16,7 +16,7 @@ fn spirv_is_valid() {
         .spawn();
     let mut child = match child {
         Ok(child) => child,
-        Err(error) if std::env::var_os("CI").is_none() => {
+        Err(error) if std::env::var_os("RAGGIO_TEST_EVERYTHING").is_none() => {
             eprintln!("not checked: spirv-val is missing ({error}); `make setup` installs it");
             return;
         }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use raggio_vulkan::{DeviceKind, Instance};
+use raggio_vulkan::{DeviceKind, Instance, VulkanError};
 
 use crate::cpu::{CpuDevice, CpuOptions};
 use crate::device::{Device, DeviceError, DeviceInfo};
@@ -77,34 +77,39 @@ pub struct OpenOptions {
     pub validate: bool,
 }
 
-/// Opens the device that `choice` asks for.
-pub fn open(choice: DeviceChoice, options: OpenOptions) -> Result<Box<dyn Device>, DeviceError> {
-    let cpu = || -> Result<Box<dyn Device>, DeviceError> { Ok(Box::new(CpuDevice::new(options.cpu)?)) };
-    match choice {
-        DeviceChoice::Cpu => cpu(),
-        DeviceChoice::Vulkan(number) => Ok(Box::new(open_vulkan(number, options.validate)?)),
-        DeviceChoice::Auto => match open_gpu(options.validate) {
-            Some(gpu) => Ok(Box::new(gpu)),
-            None => cpu(),
-        },
+/// Opens the device that `choice` asks for. `warn` hears why `auto` passes over a GPU.
+pub fn open(choice: DeviceChoice, options: OpenOptions, warn: impl Fn(&str)) -> Result<Box<dyn Device>, DeviceError> {
+    let gpu = match choice {
+        DeviceChoice::Cpu => None,
+        DeviceChoice::Vulkan(number) => Some(open_vulkan(number, options.validate)?),
+        DeviceChoice::Auto => open_gpu(options.validate, warn)?,
+    };
+    match gpu {
+        Some(gpu) => Ok(Box::new(gpu)),
+        None => Ok(Box::new(CpuDevice::new(options.cpu)?)),
     }
 }
 
-/// The first usable GPU, by kind; software devices are left to those who ask for them.
-fn open_gpu(validate: bool) -> Option<VulkanDevice> {
-    let instance = Instance::new(validate).ok()?;
-    let physical = instance.devices().ok()?;
-    [DeviceKind::Discrete, DeviceKind::Integrated].into_iter().find_map(|kind| {
-        physical
-            .iter()
-            .filter(|p| p.kind == kind && p.missing.is_empty())
-            .find_map(|p| VulkanDevice::new(&instance, p).ok())
-    })
+/// The first usable GPU, by kind; software devices are left to those who ask for them. No Vulkan is no error here, but
+/// validation that was asked for and cannot be had is.
+fn open_gpu(validate: bool, warn: impl Fn(&str)) -> Result<Option<VulkanDevice>, DeviceError> {
+    let physical = match Instance::new(validate).and_then(|instance| instance.devices()) {
+        Err(error @ VulkanError::NoValidationLayers) => return Err(error.into()),
+        other => other.unwrap_or_default(),
+    };
+    for kind in [DeviceKind::Discrete, DeviceKind::Integrated] {
+        for gpu in physical.iter().filter(|p| p.kind == kind) {
+            match VulkanDevice::new(gpu) {
+                Ok(device) => return Ok(Some(device)),
+                Err(error) => warn(&format!("{} is not used: {error}", gpu.name)),
+            }
+        }
+    }
+    Ok(None)
 }
 
 fn open_vulkan(number: Option<usize>, validate: bool) -> Result<VulkanDevice, DeviceError> {
-    let instance = Instance::new(validate)?;
-    let physical = instance.devices()?;
+    let physical = Instance::new(validate)?.devices()?;
     let chosen = match number {
         Some(n) => physical.get(n),
         None => physical.iter().filter(|p| p.missing.is_empty()).min_by_key(|p| match p.kind {
@@ -126,5 +131,5 @@ fn open_vulkan(number: Option<usize>, validate: bool) -> Result<VulkanDevice, De
             None => "no Vulkan device of this machine can run the kernels: `raggio devices` says why".into(),
         })
     })?;
-    VulkanDevice::new(&instance, chosen)
+    VulkanDevice::new(chosen)
 }

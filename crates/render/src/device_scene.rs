@@ -2,8 +2,8 @@
 
 use glam::{DMat4, DVec4, Vec3};
 use raggio_kernels::{
-    Box as DeviceBox, Camera as DeviceCamera, MAX_NESTED_MEDIA, Material as DeviceMaterial, Plane, Rectangle,
-    SceneBuffers, SceneCounts, ShapeKind, ShapeReference, Sky, Sphere, Work,
+    Box as DeviceBox, Camera as DeviceCamera, CameraMedium, MAX_NESTED_MEDIA, Material as DeviceMaterial, Plane,
+    Rectangle, SceneBuffers, SceneCounts, ShapeKind, ShapeReference, Sky, Sphere, Work,
 };
 use raggio_scene::{
     Camera, Environment, Filter, Geometry, Material, Reflection, RenderSettings, Scene, Shape, rotation,
@@ -44,10 +44,10 @@ impl DeviceScene {
             camera: vec![device_camera(&scene.camera, &scene.render)],
             sky: vec![device_sky(&scene.environment)],
             materials: scene.materials.iter().map(device_material).collect(),
-            camera_media: media_around(scene),
             ..SceneBuffers::default()
         };
-        let (found, limit) = (buffers.camera_media.len(), MAX_NESTED_MEDIA as usize);
+        let around = media_around(scene);
+        let (found, limit) = (around.len(), MAX_NESTED_MEDIA as usize);
         if found > limit {
             return Err(TranslationError::TooManyMedia { found, limit });
         }
@@ -60,6 +60,10 @@ impl DeviceScene {
         let shape_of_place = [unbounded.as_slice(), &hierarchy.order].concat();
         buffers.order = shape_of_place.iter().map(|&i| references[i as usize]).collect();
         buffers.nodes = hierarchy.nodes;
+        let place = |shape: &u32| shape_of_place.iter().position(|s| s == shape).unwrap_or_default() as u32;
+        let medium =
+            |shape| CameraMedium { shape: place(shape), material: scene.shapes[*shape as usize].material as u32 };
+        buffers.camera_media = around.iter().map(medium).collect();
         buffers.counts = vec![SceneCounts {
             shapes: buffers.order.len() as u32,
             unbounded: unbounded.len() as u32,

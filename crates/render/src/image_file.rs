@@ -71,10 +71,7 @@ impl ImageFile {
             _ => return Err(OutputError::UnknownFormat { path: path.into() }),
         };
         let file = Self { path: path.into(), format };
-        if path.is_dir() {
-            return Err(file.unwritable(io::Error::from(io::ErrorKind::IsADirectory)));
-        }
-        temporary_beside(path).map_err(|e| file.unwritable(e))?;
+        check_writable(path).map_err(|e| file.unwritable(e))?;
         Ok(file)
     }
 
@@ -99,13 +96,40 @@ impl ImageFile {
     }
 }
 
-/// Writes `bytes` to `path`: under a temporary name first, renamed when all of it has reached the disk.
+/// Writes `bytes` to `path`, whole or not at all: under a temporary name first, renamed when all of it has reached the
+/// disk. A link is followed; a pipe or a device is written to as it is.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut temporary = temporary_beside(path)?;
+    let path = destination(path)?;
+    if is_special(&path) {
+        return std::fs::OpenOptions::new().write(true).open(&path)?.write_all(bytes);
+    }
+    let mut temporary = temporary_beside(&path)?;
     temporary.write_all(bytes)?;
     temporary.as_file().sync_all()?;
-    temporary.persist(path).map_err(|e| e.error)?;
+    temporary.persist(&path).map_err(|e| e.error)?;
     Ok(())
+}
+
+/// Finds out early whether [`write_whole`] can succeed.
+pub fn check_writable(path: &Path) -> io::Result<()> {
+    let path = destination(path)?;
+    if path.is_dir() {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    if !is_special(&path) {
+        temporary_beside(&path)?;
+    }
+    Ok(())
+}
+
+/// `path`, or what it links to.
+fn destination(path: &Path) -> io::Result<PathBuf> {
+    if path.is_symlink() && path.exists() { path.canonicalize() } else { Ok(path.into()) }
+}
+
+/// Neither a file nor a folder, nor nothing.
+fn is_special(path: &Path) -> bool {
+    path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
 
 /// A file in the same folder, hidden, that vanishes unless it is kept.
@@ -131,21 +155,24 @@ fn write_png(film: &Film, display: Display, to: &mut impl Write) -> io::Result<(
         .map_err(io::Error::other)
 }
 
-/// The display kernel over the whole film.
+/// The display kernel over the whole film, some rows at a time to keep the copies small.
 fn displayed(film: &Film, display: Display) -> Vec<u32> {
+    const ROWS: usize = 64;
     let set = InstructionSet::best().unwrap_or(InstructionSet::Baseline);
-    let mut pixels = film.pixels().to_vec();
-    let mut output = vec![0; pixels.len()];
-    let work = Work {
-        width: film.width(),
-        height: film.height(),
-        rows: film.height(),
-        exposure: display.exposure,
-        tone_mapper: display.tone_mapper as u32,
-        ..Work::default()
-    };
-    let buffers = Buffers { film: &mut pixels, output: &mut output, ..Buffers::default() };
-    dispatch(set, EntryPoint::Display, None, &work, buffers);
+    let width = film.width() as usize;
+    let mut output = vec![0; film.pixels().len()];
+    for (pixels, output) in film.pixels().chunks(ROWS * width).zip(output.chunks_mut(ROWS * width)) {
+        let work = Work {
+            width: film.width(),
+            height: film.height(),
+            rows: (pixels.len() / width) as u32,
+            exposure: display.exposure,
+            tone_mapper: display.tone_mapper as u32,
+            ..Work::default()
+        };
+        let buffers = Buffers { film: &mut pixels.to_vec(), output, ..Buffers::default() };
+        dispatch(set, EntryPoint::Display, None, &work, buffers);
+    }
     output
 }
 

@@ -21,7 +21,7 @@ pub use cpu::{CpuDevice, CpuOptions, total_memory_bytes};
 pub use device::{Answer, Device, DeviceError, DeviceInfo, Question, Session};
 pub use device_scene::{DeviceScene, TranslationError};
 pub use film::{Film, Image, SizeMismatch, film_bytes};
-pub use image_file::{Display, ImageFile, OutputError, write_whole};
+pub use image_file::{Display, ImageFile, OutputError, check_writable, write_whole};
 pub use raggio_kernels::cpu::InstructionSet;
 pub use raggio_kernels::{MAX_NESTED_MEDIA, Probe, SamplerKind, ShapeKind, ToneMapper};
 pub use renderer::{Progress, Renderer};

@@ -3,19 +3,20 @@
 use glam::DVec3;
 use raggio_scene::{Geometry, Scene, rotation};
 
-/// Materials of the dielectric bodies that contain the camera, outermost first: in the order in which one would enter
-/// them on the way to the camera from behind it.
+/// The dielectric bodies that contain the camera, as indices of shapes, outermost first: in the order in which one would
+/// enter them on the way to the camera from behind it.
 pub fn media_around(scene: &Scene) -> Vec<u32> {
     let eye = scene.camera.position.as_dvec3();
     let backward = (eye - scene.camera.look_at.as_dvec3()).normalize_or_zero();
     let mut bodies: Vec<(f64, u32)> = scene
         .shapes
         .iter()
-        .filter(|shape| scene.materials[shape.material].refractive_index.is_some())
-        .filter_map(|shape| Some((way_out(&shape.geometry, eye, backward)?, shape.material as u32)))
+        .zip(0..)
+        .filter(|(shape, _)| scene.materials[shape.material].refractive_index.is_some())
+        .filter_map(|(shape, index)| Some((way_out(&shape.geometry, eye, backward)?, index)))
         .collect();
     bodies.sort_by(|a, b| b.0.total_cmp(&a.0));
-    bodies.into_iter().map(|(_, material)| material).collect()
+    bodies.into_iter().map(|(_, shape)| shape).collect()
 }
 
 /// Distance from `point` along `direction` to where one leaves the body; `None` if `point` is outside.

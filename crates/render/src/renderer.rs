@@ -17,10 +17,16 @@ pub struct Renderer<'a> {
     pass: std::ops::Range<u32>,
     /// ...and has come as far as this row.
     row: u32,
-    /// Measured, in samples per second; before the first portion a guess that is safe for any device.
+    /// Of the last portion, in samples per second; before the first a guess that is safe for any device.
     rate: f64,
+    /// Of the slowest portion of the pass under way, and of the pass before: rows of glass cost many times what rows of
+    /// sky do.
+    slowest: f64,
+    slowest_before: f64,
     sampling: Duration,
 }
+
+const SHORTEST_MEASURE: Duration = Duration::from_millis(1);
 
 /// How far a render has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +44,18 @@ pub struct Progress {
 impl<'a> Renderer<'a> {
     /// For `target` samples per pixel of a `width` x `height` image.
     pub fn new(session: Box<dyn Session + 'a>, width: u32, height: u32, target: u32) -> Self {
-        Self { session, width, height, target, pass: 0..0, row: height, rate: 2e5, sampling: Duration::ZERO }
+        Self {
+            session,
+            width,
+            height,
+            target,
+            pass: 0..0,
+            row: height,
+            rate: 2e5,
+            slowest: f64::INFINITY,
+            slowest_before: f64::INFINITY,
+            sampling: Duration::ZERO,
+        }
     }
 
     /// True once every pixel has all its samples.
@@ -51,7 +68,10 @@ impl<'a> Renderer<'a> {
         if self.finished() {
             return Ok(self.progress());
         }
-        let portion = self.rate * self.session.patience_seconds();
+        if self.row == self.height {
+            self.slowest_before = std::mem::replace(&mut self.slowest, f64::INFINITY);
+        }
+        let portion = self.rate.min(self.slowest_before) * self.session.patience_seconds();
         if self.row == self.height {
             // As many samples at once as one portion can give to the whole image, and at least one.
             let affordable = portion / (f64::from(self.width) * f64::from(self.height));
@@ -71,6 +91,10 @@ impl<'a> Renderer<'a> {
         // Rows differ in cost: follow the measurement, but grow no faster than fourfold.
         let measured = f64::from(rows) * row_samples / elapsed.as_secs_f64().max(1e-6);
         self.rate = measured.min(4.0 * self.rate);
+        // Shorter portions measure the call, and the very first the driver's preparations.
+        if elapsed > SHORTEST_MEASURE && self.sampling > elapsed {
+            self.slowest = self.slowest.min(measured);
+        }
         Ok(self.progress())
     }
 

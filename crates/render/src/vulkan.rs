@@ -6,11 +6,14 @@ use std::sync::Arc;
 use raggio_kernels::{
     EntryPoint, FILM_BINDING, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, SCENE_BINDINGS, SCENE_SET, SPIRV, Work,
 };
-use raggio_vulkan::{BindingSet, Buffer, Device as VulkanContext, Instance, Module, PhysicalDevice, Pipeline};
+use raggio_vulkan::{BindingSet, Buffer, Device as VulkanContext, Module, PhysicalDevice, Pipeline};
 
 use crate::device::{Answer, Device, DeviceError, Question, Session};
 use crate::device_scene::DeviceScene;
 use crate::film::Film;
+
+// `raggio devices` calls a device fit by this number.
+const _: () = assert!(SCENE_BINDINGS.len() + 3 <= raggio_vulkan::STORAGE_BUFFERS as usize);
 
 /// Set 0 holds what kernels write; the other is the scene's.
 const BUFFER_SET: u32 = 0;
@@ -27,8 +30,8 @@ pub struct VulkanDevice {
 
 impl VulkanDevice {
     /// Opens `physical` and compiles the kernels for it.
-    pub fn new(instance: &Arc<Instance>, physical: &PhysicalDevice) -> Result<Self, DeviceError> {
-        let context = VulkanContext::new(instance, physical)?;
+    pub fn new(physical: &PhysicalDevice) -> Result<Self, DeviceError> {
+        let context = VulkanContext::new(physical)?;
         let mut bindings = vec![Vec::new(); 2];
         bindings[BUFFER_SET as usize] = vec![FILM_BINDING, OUTPUT_BINDING, INPUT_BINDING];
         bindings[SCENE_SET as usize] = SCENE_BINDINGS.to_vec();
@@ -46,7 +49,7 @@ impl Device for VulkanDevice {
     }
 
     fn validation_messages(&self) -> Vec<String> {
-        self.context.instance().validation_messages()
+        self.context.physical().instance().validation_messages()
     }
 
     fn load<'a>(&'a self, scene: &DeviceScene) -> Result<Box<dyn Session + 'a>, DeviceError> {

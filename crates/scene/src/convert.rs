@@ -12,7 +12,7 @@ use crate::file::{
     CameraFile, EnvironmentFile, FilterFile, MaterialFile, Materials, ReflectionFile, RenderFile, SceneFile,
 };
 use crate::names;
-use crate::number::SMALLEST;
+use crate::number::{BRIGHTEST, SMALLEST};
 use crate::scene::{Camera, Environment, Filter, Material, Reflection, RenderSettings, Scene, Shape};
 
 /// Sine of the smallest angle between `up` and the viewing direction.
@@ -24,9 +24,13 @@ pub(crate) fn scene(file: SceneFile) -> Result<(Scene, Vec<Fault>), Fault> {
     let camera = camera(&file.camera)?;
     let environment = file.environment.as_ref().map(environment).transpose()?;
     let environment = environment.unwrap_or(Environment::Constant(Vec3::ZERO));
-    let materials = materials(&file.materials, &mut warnings);
+    let materials = materials(&file.materials, &mut warnings)?;
     let indices = materials.iter().enumerate().map(|(i, it)| (it.name.as_str(), i)).collect();
     let shapes = all_shapes(&file, &indices)?;
+    warnings.extend(file.shapes.iter().zip(&shapes).enumerate().filter_map(|(i, (file, shape))| {
+        let dielectric = materials[shape.material].refractive_index.is_some();
+        (dielectric && file.rectangle.is_some()).then(|| sheet(i, &file.material))
+    }));
     let scene = Scene { render: render(&file.render), camera, environment, shapes, materials, warnings: Vec::new() };
     warnings.extend(darkness(&scene));
     Ok((scene, warnings))
@@ -147,13 +151,24 @@ fn refuse_image(file: &EnvironmentFile) -> Result<(), Fault> {
     }
 }
 
-fn materials(file: &Materials, warnings: &mut Vec<Fault>) -> Vec<Material> {
+fn materials(file: &Materials, warnings: &mut Vec<Fault>) -> Result<Vec<Material>, Fault> {
     let mut materials = Vec::with_capacity(file.0.len());
     for (name, material) in &file.0 {
         warn_of_opaque(name, material, warnings);
+        refuse_too_bright(name, material)?;
         materials.push(self::material(name, material));
     }
-    materials
+    Ok(materials)
+}
+
+fn refuse_too_bright(name: &str, file: &MaterialFile) -> Result<(), Fault> {
+    let brightest = file.emission_color.iter().map(|c| c.0).fold(0.0, f64::max) * file.emission_strength.0;
+    if brightest <= BRIGHTEST {
+        return Ok(());
+    }
+    let table = names::key(name);
+    let message = format!("`emission_strength` times `emission_color` in [materials.{table}] must be at most 1e9");
+    Err(Fault::value(steps!["materials", name, "emission_strength"], message))
 }
 
 /// What only a dielectric has, given to an opaque material.
@@ -186,6 +201,16 @@ fn material(name: &str, file: &MaterialFile) -> Material {
         },
         priority: file.priority.map_or(0, |priority| priority.0 as i32),
     }
+}
+
+/// A warning of a dielectric without an inside.
+fn sheet(index: usize, material: &str) -> Fault {
+    let message = format!(
+        "a rectangle has no inside, so {} fills all that lies behind it, up to another rectangle of that material that \
+         faces the other way: a pane is a thin `box`",
+        names::quoted(material)
+    );
+    Fault::key(steps!["shapes", index, "rectangle"], message)
 }
 
 /// A warning when the picture will be black.

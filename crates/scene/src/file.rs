@@ -9,13 +9,13 @@ use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::number::{
-    Coordinate, FieldOfView, Fraction, NonNegative, Positive, Reflectance, RefractiveIndex, Version, Whole,
+    Brightness, Coordinate, FieldOfView, Fraction, NonNegative, Positive, Reflectance, RefractiveIndex, Version, Whole,
 };
 
 /// A point or a direction: x, y and z.
 pub(crate) type Point = [Coordinate; 3];
 /// Linear red, green and blue, 0 or more.
-pub(crate) type Radiance = [NonNegative; 3];
+pub(crate) type Radiance = [Brightness; 3];
 
 /// A scene for raggio, a progressive path tracer. Lengths are in any one unit, angles in degrees,
 /// colours in linear red, green and blue; y points up unless the camera says otherwise.
@@ -127,8 +127,8 @@ pub(crate) struct MaterialFile {
     #[serde(default = "white")]
     pub emission_color: Radiance,
     /// Multiplied by `emission_color` it is the emitted radiance.
-    #[serde(default = "zero")]
-    pub emission_strength: NonNegative,
+    #[serde(default = "unlit")]
+    pub emission_strength: Brightness,
     /// From 0, diffuse, to 1, a mirror; a dielectric ignores it.
     #[serde(default = "diffuse")]
     pub smoothness: Fraction,
@@ -327,7 +327,11 @@ fn y_axis() -> Point {
 }
 
 fn white() -> Radiance {
-    [NonNegative(1.0); 3]
+    [Brightness(1.0); 3]
+}
+
+fn unlit() -> Brightness {
+    Brightness(0.0)
 }
 
 fn zero() -> NonNegative {

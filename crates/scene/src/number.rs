@@ -52,6 +52,14 @@ fn non_negative(x: f64) -> Result<(), Rule> {
     require(x <= LARGEST, "must be at most 1e15", "")
 }
 
+/// Far above any sun, and far enough below the 2^35 at which a film takes a sample for a fault.
+pub(crate) const BRIGHTEST: f64 = 1e9;
+
+fn brightness(x: f64) -> Result<(), Rule> {
+    require(x >= 0.0, "must be 0 or more", "")?;
+    require(x <= BRIGHTEST, "must be at most 1e9", "")
+}
+
 fn fraction(x: f64) -> Result<(), Rule> {
     require((0.0..=1.0).contains(&x), "must be between 0 and 1", "")
 }
@@ -115,7 +123,9 @@ numbers! {
     Coordinate, finite, { "minimum": -1e15, "maximum": 1e15 };
     /// A length.
     Positive, positive, { "minimum": 1e-15, "maximum": 1e15 };
-    /// Radiance, or a length that may be 0.
+    /// One component of radiance, or a factor of it.
+    Brightness, brightness, { "minimum": 0, "maximum": 1e9 };
+    /// A length that may be 0.
     NonNegative, non_negative, { "minimum": 0, "maximum": 1e15 };
     /// From 0 to 1.
     Fraction, fraction, { "minimum": 0, "maximum": 1 };

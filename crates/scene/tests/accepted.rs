@@ -183,6 +183,13 @@ fn warnings_of_a_dielectrics_keys_on_an_opaque_material() {
     );
 }
 
+#[test]
+fn warnings_of_a_dielectric_without_an_inside() {
+    let text = "[environment]\ncolor = [1, 1, 1]\n[materials.glass]\nrefractive_index = 1.5\n[[shapes]]\nmaterial = \"glass\"\nrectangle = { corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }\n";
+    let [warning] = &parse(text).warnings[..] else { panic!("one warning") };
+    assert!(warning.starts_with("scene.toml:12:1: a rectangle has no inside, so `glass` fills all"), "{warning}");
+}
+
 const DARK: &str = "nothing in the scene shines, so the picture will be black: give [environment] \
                     a `color`, or the material of a shape an `emission_strength`";
 

@@ -63,10 +63,10 @@ impl Buffer {
                 allocation_scheme: AllocationScheme::GpuAllocatorManaged,
             })
             .map_err(|e| VulkanError::OutOfMemory(format!("{what}, {size} bytes: {e}")))?;
+        let allocation = buffer.allocation.insert(allocation);
         // SAFETY: the allocation was made for this buffer's requirements and is bound once.
         unsafe { device.raw.bind_buffer_memory(raw, allocation.memory(), allocation.offset()) }
             .during("vkBindBufferMemory")?;
-        buffer.allocation = Some(allocation);
         Ok(buffer)
     }
 

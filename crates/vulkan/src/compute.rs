@@ -10,6 +10,7 @@ use crate::error::{During, VulkanError};
 /// A SPIR-V module with the layout that its entry points share: descriptor sets of storage buffers, one push block.
 pub struct Module {
     pub(crate) layout: vk::PipelineLayout,
+    pub(crate) push_bytes: u32,
     sets: Vec<vk::DescriptorSetLayout>,
     shader: vk::ShaderModule,
     device: Arc<Device>,
@@ -26,7 +27,7 @@ pub struct BindingSet {
     pub(crate) raw: vk::DescriptorSet,
     pub(crate) index: u32,
     pool: vk::DescriptorPool,
-    module: Arc<Module>,
+    pub(crate) module: Arc<Module>,
     // Kept alive for as long as the set refers to them.
     _buffers: Vec<Arc<Buffer>>,
 }
@@ -42,6 +43,7 @@ impl Module {
     ) -> Result<Arc<Self>, VulkanError> {
         let mut module = Self {
             layout: vk::PipelineLayout::null(),
+            push_bytes,
             sets: Vec::new(),
             shader: vk::ShaderModule::null(),
             device: device.clone(),

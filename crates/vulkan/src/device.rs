@@ -5,7 +5,7 @@ use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
 use crate::error::{During, VulkanError};
-use crate::instance::{Instance, PhysicalDevice};
+use crate::instance::PhysicalDevice;
 
 /// A device in use, with one compute queue.
 pub struct Device {
@@ -15,7 +15,6 @@ pub struct Device {
     allocator: ManuallyDrop<Mutex<Allocator>>,
     // One submission at a time: the lock is held while it is recorded and waited for.
     pub(crate) queue: Mutex<Queue>,
-    instance: Arc<Instance>,
 }
 
 pub(crate) struct Queue {
@@ -27,7 +26,8 @@ pub(crate) struct Queue {
 
 impl Device {
     /// Opens `physical`; fails if it lacks what the kernels need.
-    pub fn new(instance: &Arc<Instance>, physical: &PhysicalDevice) -> Result<Arc<Self>, VulkanError> {
+    pub fn new(physical: &PhysicalDevice) -> Result<Arc<Self>, VulkanError> {
+        let instance = physical.instance();
         if !physical.missing.is_empty() {
             return Err(VulkanError::Unfit { name: physical.name.clone(), missing: physical.missing.join(", ") });
         }
@@ -53,33 +53,36 @@ impl Device {
         // SAFETY: all that `info` points to lives until the call returns; its features and queue were found above.
         let raw = unsafe { instance.raw.create_device(physical.handle, &info, None) }.during("vkCreateDevice")?;
 
-        let allocator = Allocator::new(&AllocatorCreateDesc {
-            instance: instance.raw.clone(),
-            device: raw.clone(),
-            physical_device: physical.handle,
-            debug_settings: Default::default(),
-            buffer_device_address: false,
-            allocation_sizes: Default::default(),
-        })
-        .map_err(|e| VulkanError::OutOfMemory(e.to_string()))?;
-        let queue = Queue::new(&raw, physical.queue_family)?;
-        Ok(Arc::new(Self {
-            raw,
-            physical: physical.clone(),
-            allocator: ManuallyDrop::new(Mutex::new(allocator)),
-            queue: Mutex::new(queue),
-            instance: instance.clone(),
-        }))
+        let equip = || {
+            let allocator = Allocator::new(&AllocatorCreateDesc {
+                instance: instance.raw.clone(),
+                device: raw.clone(),
+                physical_device: physical.handle,
+                debug_settings: Default::default(),
+                buffer_device_address: false,
+                allocation_sizes: Default::default(),
+            })
+            .map_err(|e| VulkanError::OutOfMemory(e.to_string()))?;
+            Ok((allocator, Queue::new(&raw, physical.queue_family)?))
+        };
+        match equip() {
+            Ok((allocator, queue)) => Ok(Arc::new(Self {
+                raw,
+                physical: physical.clone(),
+                allocator: ManuallyDrop::new(Mutex::new(allocator)),
+                queue: Mutex::new(queue),
+            })),
+            Err(error) => {
+                // SAFETY: nothing made from the device is left.
+                unsafe { raw.destroy_device(None) };
+                Err(error)
+            }
+        }
     }
 
     /// What the driver says of it.
     pub fn physical(&self) -> &PhysicalDevice {
         &self.physical
-    }
-
-    /// What it was opened from.
-    pub fn instance(&self) -> &Arc<Instance> {
-        &self.instance
     }
 
     /// Most bytes that a kernel can see of one buffer.
@@ -96,14 +99,17 @@ impl Queue {
     fn new(device: &ash::Device, family: u32) -> Result<Self, VulkanError> {
         let pool_info = vk::CommandPoolCreateInfo::default().queue_family_index(family);
         // SAFETY: the device was created with one queue of this family; what is made here is destroyed in
-        // `Device::drop`. Should a later call fail, the device itself is about to be abandoned.
+        // `Device::drop`, or with its pool where a later call fails.
         unsafe {
             let raw = device.get_device_queue(family, 0);
             let pool = device.create_command_pool(&pool_info, None).during("vkCreateCommandPool")?;
             let allocate = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
-            let commands = device.allocate_command_buffers(&allocate).during("vkAllocateCommandBuffers")?[0];
-            let fence = device.create_fence(&vk::FenceCreateInfo::default(), None).during("vkCreateFence")?;
-            Ok(Self { raw, pool, commands, fence })
+            let rest = || {
+                let commands = device.allocate_command_buffers(&allocate).during("vkAllocateCommandBuffers")?[0];
+                let fence = device.create_fence(&vk::FenceCreateInfo::default(), None).during("vkCreateFence")?;
+                Ok(Self { raw, pool, commands, fence })
+            };
+            rest().inspect_err(|_| device.destroy_command_pool(pool, None))
         }
     }
 }

@@ -1,12 +1,13 @@
 use std::ffi::{CStr, c_void};
+use std::io::Write;
 use std::sync::{Arc, Mutex};
 
 use ash::{ext, khr, vk};
 
 use crate::error::{During, VulkanError};
 
-/// What the kernels bind at once: the scene's buffers, the film, output and input.
-const STORAGE_BUFFERS_NEEDED: u32 = 16;
+/// Storage buffers that a kernel may bind at once on any device that counts as fit.
+pub const STORAGE_BUFFERS: u32 = 16;
 
 /// What kind of processor is behind a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,8 +38,9 @@ impl DeviceKind {
 }
 
 /// A device as the driver describes it.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct PhysicalDevice {
+    instance: Arc<Instance>,
     pub(crate) handle: vk::PhysicalDevice,
     pub(crate) queue_family: u32,
     pub(crate) limits: vk::PhysicalDeviceLimits,
@@ -57,6 +59,13 @@ pub struct PhysicalDevice {
     pub missing: Vec<String>,
 }
 
+impl PhysicalDevice {
+    /// Whose device it is.
+    pub fn instance(&self) -> &Arc<Instance> {
+        &self.instance
+    }
+}
+
 /// The connection to the Vulkan loader.
 pub struct Instance {
     pub(crate) raw: ash::Instance,
@@ -64,7 +73,7 @@ pub struct Instance {
     // The messenger holds its address.
     messages: Box<Mutex<Vec<String>>>,
     // Unloads the loader's library, so it goes last.
-    _entry: ash::Entry,
+    entry: ash::Entry,
 }
 
 impl Instance {
@@ -112,12 +121,16 @@ impl Instance {
         let raw = unsafe { entry.create_instance(&info, None) }.during("vkCreateInstance")?;
 
         let messages = Box::new(Mutex::new(Vec::new()));
-        let debug = if validate { Some(listen(&entry, &raw, &messages)?) } else { None };
-        Ok(Arc::new(Self { raw, debug, messages, _entry: entry }))
+        // From here on `Drop` cleans up.
+        let mut instance = Self { raw, debug: None, messages, entry };
+        if validate {
+            instance.debug = Some(listen(&instance.entry, &instance.raw, &instance.messages)?);
+        }
+        Ok(Arc::new(instance))
     }
 
     /// All devices, in the driver's order.
-    pub fn devices(&self) -> Result<Vec<PhysicalDevice>, VulkanError> {
+    pub fn devices(self: &Arc<Self>) -> Result<Vec<PhysicalDevice>, VulkanError> {
         // SAFETY: the instance is alive.
         let handles = unsafe { self.raw.enumerate_physical_devices() }.during("vkEnumeratePhysicalDevices")?;
         Ok(handles.into_iter().enumerate().map(|(index, handle)| self.describe(index, handle)).collect())
@@ -128,7 +141,7 @@ impl Instance {
         self.messages.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).clone()
     }
 
-    fn describe(&self, index: usize, handle: vk::PhysicalDevice) -> PhysicalDevice {
+    fn describe(self: &Arc<Self>, index: usize, handle: vk::PhysicalDevice) -> PhysicalDevice {
         let mut driver = vk::PhysicalDeviceDriverProperties::default();
         let mut maintenance = vk::PhysicalDeviceMaintenance3Properties::default();
         let mut properties =
@@ -157,10 +170,11 @@ impl Instance {
         if queue_family.is_none() {
             missing.push("a compute queue".into());
         }
-        if properties.limits.max_per_stage_descriptor_storage_buffers < STORAGE_BUFFERS_NEEDED {
-            missing.push(format!("{STORAGE_BUFFERS_NEEDED} storage buffers in a shader"));
+        if properties.limits.max_per_stage_descriptor_storage_buffers < STORAGE_BUFFERS {
+            missing.push(format!("{STORAGE_BUFFERS} storage buffers in a shader"));
         }
         PhysicalDevice {
+            instance: self.clone(),
             handle,
             queue_family: queue_family.unwrap_or(0) as u32,
             limits: properties.limits,
@@ -240,7 +254,8 @@ unsafe extern "system" fn on_message(
     };
     // The loader itself reports, as GENERAL, drivers on this machine that it cannot use: no fault of ours.
     if kinds != vk::DebugUtilsMessageTypeFlagsEXT::GENERAL {
-        eprintln!("vulkan validation: {message}");
+        // A panic must not leave through the layers, and printing to a closed stream is one.
+        let _ = writeln!(std::io::stderr(), "vulkan validation: {message}");
         messages.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).push(message);
     }
     vk::FALSE

@@ -16,5 +16,5 @@ pub use buffer::{Buffer, Location};
 pub use compute::{BindingSet, Module, Pipeline};
 pub use device::Device;
 pub use error::VulkanError;
-pub use instance::{DeviceKind, Instance, PhysicalDevice};
+pub use instance::{DeviceKind, Instance, PhysicalDevice, STORAGE_BUFFERS};
 pub use passes::Passes;

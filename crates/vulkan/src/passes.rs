@@ -1,3 +1,4 @@
+use std::sync::Arc;
 use std::time::Duration;
 
 use ash::vk;
@@ -70,7 +71,9 @@ impl Device {
             self.raw.end_command_buffer(queue.commands).during("vkEndCommandBuffer")?;
             self.raw.reset_fences(&[queue.fence]).during("vkResetFences")?;
             self.raw.queue_submit(queue.raw, &submit, queue.fence).during("vkQueueSubmit")?;
-            self.raw.wait_for_fences(&[queue.fence], true, PATIENCE.as_nanos() as u64).during("vkWaitForFences")
+            let waited = self.raw.wait_for_fences(&[queue.fence], true, PATIENCE.as_nanos() as u64);
+            // Whatever the trouble, nothing that the passes use may be released while the GPU still runs.
+            waited.inspect_err(|_| self.raw.device_wait_idle().unwrap_or(())).during("vkWaitForFences")
         }
     }
 }
@@ -82,8 +85,11 @@ impl<'a> Passes<'a> {
 
     /// Runs `groups` workgroups of a kernel. `push` is its push block.
     pub fn compute(&mut self, pipeline: &'a Pipeline, sets: &[&'a BindingSet], push: &[u8], groups: [u32; 3]) {
+        let module = &pipeline.module;
+        assert!(sets.iter().all(|set| Arc::ptr_eq(&set.module, module)), "sets and pipeline are of one module");
+        assert_eq!(push.len(), module.push_bytes as usize, "the push block is filled");
         self.begin(Kind::Compute);
-        let layout = pipeline.module.layout;
+        let layout = module.layout;
         let point = vk::PipelineBindPoint::COMPUTE;
         // SAFETY: the command buffer is recording; pipeline and sets are alive until the submission has been waited for.
         unsafe {

@@ -5,6 +5,7 @@ mod critical;
 mod depth;
 mod fresnel;
 mod furnace;
+mod hard_cases;
 mod lamps;
 mod lens;
 mod mirrors;

@@ -80,6 +80,8 @@ fn threads_and_tiles_leave_no_trace() {
 fn instruction_sets_leave_no_trace() {
     let sets = InstructionSet::available();
     println!("instruction sets: {sets:?}");
+    // Else this test compares nothing: every x86-64 processor of the last ten years has v3 beside v2.
+    assert!(sets.len() >= 2 || !cfg!(target_arch = "x86_64"), "only {sets:?} to compare");
     for (name, scene) in scenes() {
         let films = sets.iter().map(|&set| {
             let options = CpuOptions { instruction_set: Some(set), ..CpuOptions::default() };

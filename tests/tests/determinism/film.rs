@@ -2,6 +2,7 @@
 
 use raggio_kernels::FixedSum;
 use raggio_render::{Answer, Probe, Question};
+use raggio_scene::Environment;
 use raggio_tests::render::{means, whole};
 use raggio_tests::{Pcg, for_each_device, parse, render};
 
@@ -85,16 +86,21 @@ fn a_million_equal_samples_keep_their_mean() {
     });
 }
 
-/// What cannot be added up is counted and left out, and spoils nothing.
+/// What cannot be added up is counted and left out, and spoils nothing. No scene file can say such numbers.
 #[test]
 fn samples_that_overflow_are_rejected() {
     for_each_device(|device| {
-        for color in ["[1e15, 1, 1]", "[1, 1, 3.5e10]"] {
-            let film = render(device.device, &sky(color), 3);
-            assert_eq!((film.rejected(), film.samples()), (8 * 3, 0), "{}: a sky of {color}", device.label);
-            assert!(means(&film).iter().all(|m| m.length() == 0.0), "{}: a sky of {color}: not black", device.label);
+        let film = |color: [f32; 3]| {
+            let mut scene = sky("[1, 1, 1]");
+            scene.environment = Environment::Constant(color.into());
+            render(device.device, &scene, 3)
+        };
+        for color in [[1e15, 1.0, 1.0], [1.0, 1.0, 3.5e10], [f32::INFINITY, 0.0, 0.0], [0.0, f32::NAN, 0.0]] {
+            let film = film(color);
+            assert_eq!((film.rejected(), film.samples()), (8 * 3, 0), "{}: a sky of {color:?}", device.label);
+            assert!(means(&film).iter().all(|m| m.length() == 0.0), "{}: a sky of {color:?}: not black", device.label);
         }
-        let film = render(device.device, &sky("[1, 1, 3.4e10]"), 3);
+        let film = film([1.0, 1.0, 3.4e10]);
         assert_eq!((film.rejected(), film.samples()), (0, 8 * 3), "{}: the brightest that fits", device.label);
     });
 }

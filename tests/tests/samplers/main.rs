@@ -2,6 +2,7 @@
 
 mod densities;
 mod directions;
+mod functions;
 mod numbers;
 
 use glam::DVec3;

@@ -83,8 +83,8 @@ fn hierarchy_agrees_with_trial() {
             let random = &mut Pcg::new(seed);
             let scene = random_scene(count, random);
             let rays = random_rays(&scene, random);
-            let ask = |by_trial: f32| {
-                let questions: Vec<_> = rays.iter().map(|ray| ray.question([by_trial, 0.0, 0.0])).collect();
+            let ask = |brute_force: f32| {
+                let questions: Vec<_> = rays.iter().map(|ray| ray.question([brute_force, 0.0, 0.0])).collect();
                 device.ask(&scene, Probe::Trace, &questions)
             };
             let (mut hits, mut others) = (0, 0);

@@ -1,6 +1,7 @@
 //! Rays that leave a surface do not find it again, and find what is behind it.
 
 use glam::Vec3;
+use raggio_kernels::OFFSET_ROUNDINGS;
 use raggio_render::{Answer, Probe};
 use raggio_scene::Geometry;
 use raggio_tests::geometry::{Ray, check, nearest};
@@ -67,12 +68,12 @@ fn outward(surface: &Answer, leaving: Vec3) -> bool {
     Vec3::from_slice(&surface[2]).dot(leaving) >= 0.0
 }
 
-/// The ray as it must have left: moved along the normal by 32 roundings of the surface's scale. In single precision,
+/// The ray as it must have left: moved along the normal by a few roundings of the surface's scale. In single precision,
 /// for where its origin is rounded to decides how far the other side of a small shape is; a GPU may fuse the product and
 /// the sum, and then rounds to the neighbouring number.
 fn onward_ray(surface: &Answer, leaving: Vec3) -> Ray {
     let side = if outward(surface, leaving) { 1.0 } else { -1.0 };
-    let step = side * 32.0 * (0.5 * f32::EPSILON) * surface[1][3];
+    let step = side * OFFSET_ROUNDINGS as f32 * (0.5 * f32::EPSILON) * surface[1][3];
     let origin = Vec3::from_slice(&surface[1]) + step * Vec3::from_slice(&surface[2]);
     let origin_error = f64::from(f32::EPSILON) * f64::from(origin.abs().max_element());
     Ray { origin: origin.as_dvec3(), direction: leaving.as_dvec3(), origin_error }

@@ -87,7 +87,7 @@ vertical_fov_degrees = 40
 [environment]
 horizon = [inf, 1, 1]
 ",
-        "scene.toml:7:12: component 1 of `horizon` in [environment] must be at most 1e15, not `inf`",
+        "scene.toml:7:12: component 1 of `horizon` in [environment] must be at most 1e9, not `inf`",
     ),
     (
         "image",

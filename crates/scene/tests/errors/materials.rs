@@ -5,6 +5,19 @@ use super::Case;
 /// Name, text of the file, the error.
 pub const CASES: &[Case] = &[
     (
+        "too bright together",
+        "version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[materials.red]
+emission_color = [1e6, 0, 0]
+emission_strength = 1e6
+",
+        "scene.toml:8:21: `emission_strength` times `emission_color` in [materials.red] must be at most 1e9",
+    ),
+    (
         "color above 1",
         "version = 1
 [camera]
@@ -74,7 +87,7 @@ vertical_fov_degrees = 40
 [materials.red]
 emission_strength = inf
 ",
-        "scene.toml:7:21: `emission_strength` in [materials.red] must be at most 1e15, not `inf`",
+        "scene.toml:7:21: `emission_strength` in [materials.red] must be at most 1e9, not `inf`",
     ),
     (
         "smoothness above 1",

@@ -1,0 +1,85 @@
+//! Functions of the kernels without randomness, against their definitions in double precision.
+
+use glam::{DMat3, DVec3};
+use raggio_render::{Probe, ToneMapper};
+use raggio_tests::{Pcg, for_each_device, parse};
+
+use crate::anywhere;
+
+/// Khronos PBR Neutral, as its specification puts it.
+fn neutral(color: DVec3) -> DVec3 {
+    let low = color.min_element();
+    let offset = if low < 0.08 { low - 6.25 * low * low } else { 0.04 };
+    let color = color - offset;
+    let peak = color.max_element();
+    let start = 0.8 - 0.04;
+    if peak < start {
+        return color;
+    }
+    let room = 1.0 - start;
+    let new_peak = 1.0 - room * room / (peak + room - start);
+    let grey = 1.0 - 1.0 / (0.15 * (peak - new_peak) + 1.0);
+    (color * new_peak / peak).lerp(DVec3::splat(new_peak), grey)
+}
+
+/// Hill's fit of the ACES reference and output transforms.
+fn aces(color: DVec3) -> DVec3 {
+    let rows = |r: [[f64; 3]; 3]| DMat3::from_cols_array_2d(&r).transpose();
+    let input = rows([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]]);
+    let output = rows([[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]]);
+    let v = input * color;
+    let fit = (v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.432951) + 0.238081);
+    (output * fit).clamp(DVec3::ZERO, DVec3::ONE)
+}
+
+#[test]
+fn tone_mappers_are_what_they_are_called() {
+    let mut random = Pcg::new(3);
+    let mut color = || DVec3::from_array([0; 3].map(|_| 10f64.powf(random.between(-4.0, 3.0)))).as_vec3();
+    let mut colors: Vec<_> = (0..1000).map(|_| color()).collect();
+    colors.extend([0.0, 0.04, 0.08, 0.76, 0.8, 1.0].map(glam::Vec3::splat));
+    let definitions: [(ToneMapper, fn(DVec3) -> DVec3); 3] = [
+        (ToneMapper::Neutral, neutral),
+        (ToneMapper::Aces, aces),
+        (ToneMapper::None, |c| c.clamp(DVec3::ZERO, DVec3::ONE)),
+    ];
+    for_each_device(|device| {
+        for (mapper, definition) in definitions {
+            let question = |c: &glam::Vec3| [c.extend(mapper as u32 as f32).to_array(), [0.0; 4], [0.0; 4]];
+            let questions: Vec<_> = colors.iter().map(question).collect();
+            for (color, answer) in colors.iter().zip(device.ask(&anywhere(), Probe::ToneMap, &questions)) {
+                let found = glam::Vec3::from_slice(&answer[0]).as_dvec3();
+                let expected = definition(color.as_dvec3());
+                // Results lie between 0 and 1; the longest formula takes about twenty roundings.
+                let error = (found - expected).abs().max_element();
+                assert!(error < 4e-6, "{}, {mapper:?} of {color}: expected {expected}, found {found}", device.label);
+            }
+        }
+    });
+}
+
+/// The corners and the middle of the picture, from a camera that is turned, tilted and not square.
+#[test]
+fn pixels_become_rays() {
+    let scene = parse(
+        "[camera]\nposition = [1, 2, 3]\nlook_at = [-4, 1, 7]\nup = [0.2, 1, 0.1]\nvertical_fov_degrees = 50\n\
+         [render]\nwidth = 320\nheight = 180\n",
+    );
+    let forward = (DVec3::new(-4.0, 1.0, 7.0) - DVec3::new(1.0, 2.0, 3.0)).normalize();
+    let right = forward.cross(DVec3::new(0.2, 1.0, 0.1)).normalize();
+    let up = right.cross(forward);
+    let half = 25f64.to_radians().tan();
+    for_each_device(|device| {
+        for (x, y) in [(0.0, 0.0), (320.0, 0.0), (0.0, 180.0), (320.0, 180.0), (160.0, 90.0), (10.5, 100.25)] {
+            let across = half * 320.0 / 180.0 * (x / 160.0 - 1.0);
+            let expected = (forward + across * right + half * (1.0 - y / 90.0) * up).normalize();
+            let question = [[x as f32, y as f32, 320.0, 180.0], [0.0; 4], [0.0; 4]];
+            let answer = device.ask(&scene, Probe::Camera, &[question])[0];
+            let origin = glam::Vec3::from_slice(&answer[0]);
+            let direction = glam::Vec3::from_slice(&answer[1]).as_dvec3();
+            assert_eq!(origin, glam::Vec3::new(1.0, 2.0, 3.0), "{}: pinhole rays start at the eye", device.label);
+            let error = (direction - expected).length();
+            assert!(error < 1e-6, "{}, pixel ({x}, {y}): expected {expected}, found {direction}", device.label);
+        }
+    });
+}
