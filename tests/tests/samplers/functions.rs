@@ -38,18 +38,18 @@ fn tone_mappers_are_what_they_are_called() {
     let mut color = || DVec3::from_array([0; 3].map(|_| 10f64.powf(random.between(-4.0, 3.0)))).as_vec3();
     let mut colors: Vec<_> = (0..1000).map(|_| color()).collect();
     colors.extend([0.0, 0.04, 0.08, 0.76, 0.8, 1.0].map(glam::Vec3::splat));
-    let definitions: [(ToneMapper, fn(DVec3) -> DVec3); 3] = [
-        (ToneMapper::Neutral, neutral),
-        (ToneMapper::Aces, aces),
-        (ToneMapper::None, |c| c.clamp(DVec3::ZERO, DVec3::ONE)),
-    ];
+    let definition = |mapper, color: DVec3| match mapper {
+        ToneMapper::Neutral => neutral(color),
+        ToneMapper::Aces => aces(color),
+        ToneMapper::None => color.clamp(DVec3::ZERO, DVec3::ONE),
+    };
     for_each_device(|device| {
-        for (mapper, definition) in definitions {
+        for mapper in [ToneMapper::Neutral, ToneMapper::Aces, ToneMapper::None] {
             let question = |c: &glam::Vec3| [c.extend(mapper as u32 as f32).to_array(), [0.0; 4], [0.0; 4]];
             let questions: Vec<_> = colors.iter().map(question).collect();
             for (color, answer) in colors.iter().zip(device.ask(&anywhere(), Probe::ToneMap, &questions)) {
                 let found = glam::Vec3::from_slice(&answer[0]).as_dvec3();
-                let expected = definition(color.as_dvec3());
+                let expected = definition(mapper, color.as_dvec3());
                 // Results lie between 0 and 1; the longest formula takes about twenty roundings.
                 let error = (found - expected).abs().max_element();
                 assert!(error < 4e-6, "{}, {mapper:?} of {color}: expected {expected}, found {found}", device.label);
