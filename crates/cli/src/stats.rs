@@ -30,17 +30,10 @@ impl Stats<'_> {
             "samples_per_second": self.progress.total_samples as f64 / seconds,
             "rays": rays,
             "rays_per_second": rays as f64 / seconds,
-            "peak_memory_bytes": peak_memory_bytes(),
+            "peak_memory_bytes": raggio_render::peak_memory_bytes(),
             "triangles": 0,
             "shapes": self.shapes,
         });
         raggio_render::write_whole(path, format!("{stats:#}\n").as_bytes()).map_err(|e| cannot_write(path, &e))
     }
-}
-
-/// The most memory this process has held; unknown (null) where the system does not say so in `/proc`.
-fn peak_memory_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    Some(line.split_whitespace().next()?.parse::<u64>().ok()? * 1024)
 }

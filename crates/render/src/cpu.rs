@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use crate::device::{Answer, Device, DeviceError, DeviceInfo, Question, Session};
 use crate::device_scene::DeviceScene;
 use crate::film::Film;
+use crate::machine::{cores, processor_name, total_memory_bytes};
 
 /// How the CPU is used. No choice changes the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,26 +131,4 @@ impl Session for CpuSession<'_> {
         // Long enough that waiting for the last tile costs nothing, short enough for a lively progress bar.
         0.2
     }
-}
-
-fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
-}
-
-fn processor_name() -> String {
-    let line = proc_value("/proc/cpuinfo", "model name");
-    line.unwrap_or_else(|| format!("{} processor", std::env::consts::ARCH))
-}
-
-/// Memory of this machine; `None` where the system does not tell.
-pub fn total_memory_bytes() -> Option<u64> {
-    let line = proc_value("/proc/meminfo", "MemTotal")?;
-    Some(line.split_whitespace().next()?.parse::<u64>().ok()? * 1024)
-}
-
-/// The value after `key` in one of Linux's text files about itself; `None` elsewhere.
-fn proc_value(file: &str, key: &str) -> Option<String> {
-    let text = std::fs::read_to_string(file).ok()?;
-    let line = text.lines().find(|line| line.starts_with(key))?;
-    Some(line.split_once(':')?.1.trim().to_owned())
 }

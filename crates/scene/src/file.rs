@@ -11,6 +11,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use crate::number::{
     Brightness, Coordinate, FieldOfView, Fraction, NonNegative, Positive, Reflectance, RefractiveIndex, Version, Whole,
 };
+use crate::scene::RenderSettings;
 
 /// A point or a direction: x, y and z.
 pub(crate) type Point = [Coordinate; 3];
@@ -306,14 +307,15 @@ impl JsonSchema for Materials {
 
 impl Default for RenderFile {
     fn default() -> Self {
+        let RenderSettings { width, height, samples, max_depth, seed, surface_offset, .. } = RenderSettings::default();
         Self {
-            width: Whole(1280),
-            height: Whole(720),
-            samples: Whole(256),
-            max_depth: Whole(10),
-            seed: Whole(0),
+            width: Whole(width.into()),
+            height: Whole(height.into()),
+            samples: Whole(samples.into()),
+            max_depth: Whole(max_depth.into()),
+            seed: Whole(seed.into()),
             filter: FilterFile::Box,
-            surface_offset: true,
+            surface_offset,
         }
     }
 }

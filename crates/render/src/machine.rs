@@ -1,0 +1,35 @@
+//! What this machine is, as far as the system tells.
+
+/// Processor cores that this process may use.
+pub fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// As its maker calls it, where the system tells.
+pub fn processor_name() -> String {
+    let line = proc_value("/proc/cpuinfo", "model name");
+    line.unwrap_or_else(|| format!("{} processor", std::env::consts::ARCH))
+}
+
+/// Memory of this machine; `None` where the system does not tell.
+pub fn total_memory_bytes() -> Option<u64> {
+    kibibytes("/proc/meminfo", "MemTotal")
+}
+
+/// The most memory that this process has held; `None` where the system does not tell.
+pub fn peak_memory_bytes() -> Option<u64> {
+    kibibytes("/proc/self/status", "VmHWM")
+}
+
+/// In bytes, what the file gives in kB.
+fn kibibytes(file: &str, key: &str) -> Option<u64> {
+    let value = proc_value(file, key)?;
+    Some(value.split_whitespace().next()?.parse::<u64>().ok()? * 1024)
+}
+
+/// The value after `key` in one of Linux's text files about itself; `None` elsewhere.
+fn proc_value(file: &str, key: &str) -> Option<String> {
+    let text = std::fs::read_to_string(file).ok()?;
+    let line = text.lines().find(|line| line.starts_with(key))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}
