@@ -6,9 +6,11 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use crate::declarations::{Declarations, Enumeration};
 use crate::slang::Modules;
 
 pub fn generate(modules: &Modules, out: &Path) -> Result<(), String> {
+    let declarations = Declarations::read(&modules.kernels)?;
     let cpp = parameters(&modules.cpp_reflection)?;
     let spirv = parameters(&modules.spirv_reflection)?;
 
@@ -27,9 +29,9 @@ pub fn generate(modules: &Modules, out: &Path) -> Result<(), String> {
     }
     text += &types.text;
     text += &scene_buffers(&scene_cpp)?;
-    text += &index_checks(&scene_cpp, &modules.kernels)?;
+    text += &index_checks(&scene_cpp, &declarations)?;
     text += &places(&cpp, &spirv, &scene_cpp, &scene_spirv)?;
-    text += &enumerations_and_constants(&modules.kernels)?;
+    text += &enumerations_and_constants(&declarations);
     std::fs::write(out.join("layout.rs"), text).map_err(|e| format!("cannot write the layouts: {e}"))
 }
 
@@ -159,7 +161,7 @@ fn scene_buffers(buffers: &[Buffer]) -> Result<String, String> {
 }
 
 /// Lookups for `SceneBuffers::check` that a new kind of shape must not be forgotten in.
-fn index_checks(buffers: &[Buffer], kernels: &Path) -> Result<String, String> {
+fn index_checks(buffers: &[Buffer], declarations: &Declarations) -> Result<String, String> {
     let mut text = String::from(
         "impl SceneBuffers {\n    /// The largest material index that any element names.\n    pub(crate) fn largest_material(&self) -> Option<u32> {\n        let mut all = Vec::new();\n",
     );
@@ -170,11 +172,7 @@ fn index_checks(buffers: &[Buffer], kernels: &Path) -> Result<String, String> {
         }
     }
     text += "        all.into_iter().max()\n    }\n\n    /// How many shapes there are of a kind; none of an unknown kind.\n    pub(crate) fn shapes_of_kind(&self, kind: u32) -> usize {\n        match kind {\n";
-    let list = std::fs::read_to_string(kernels.join("shapes/list.slang"))
-        .map_err(|e| format!("cannot read the list of shapes: {e}"))?;
-    let kinds = list.split_once("enum ShapeKind : uint").and_then(|(_, rest)| rest.split_once('}'));
-    let (kinds, _) = kinds.ok_or("kernels/shapes/list.slang has no `enum ShapeKind : uint`")?;
-    for kind in kinds.lines().filter_map(|line| line.trim().split_once(" = ")).map(|(kind, _)| kind) {
+    for kind in declarations.variants("ShapeKind")? {
         let buffer = buffers.iter().find(|buffer| buffer.element["name"] == kind);
         let name = &buffer.ok_or(format!("no buffer of the scene holds shapes of kind {kind}"))?.name;
         let _ = writeln!(text, "            k if k == ShapeKind::{kind} as u32 => self.{name}.len(),");
@@ -226,50 +224,20 @@ fn places(cpp: &[Value], spirv: &[Value], scene_cpp: &[Buffer], scene_spirv: &[B
     Ok(text)
 }
 
-/// `enum X : uint { A = 0, ... }` and `static const uint N = 1;`, which the reflection leaves out.
-fn enumerations_and_constants(kernels: &Path) -> Result<String, String> {
-    let mut files = Vec::new();
-    slang_files(kernels, &mut files).map_err(|e| format!("cannot list the kernels: {e}"))?;
-    files.sort();
+/// Rust twins of what the reflection leaves out.
+fn enumerations_and_constants(declarations: &Declarations) -> String {
     let mut text = String::new();
-    for file in files {
-        let source = std::fs::read_to_string(&file).map_err(|e| format!("cannot read {}: {e}", file.display()))?;
-        let mut lines = source.lines().map(str::trim);
-        while let Some(line) = lines.next() {
-            if let Some(name) = line.strip_prefix("enum ").and_then(|l| l.strip_suffix(" : uint")) {
-                let _ = writeln!(
-                    text,
-                    "/// `{name}` of the kernels.\n#[repr(u32)]\n#[derive(Clone, Copy, Debug, PartialEq, Eq)]\npub enum {name} {{"
-                );
-                for variant in lines.by_ref().take_while(|l| !l.starts_with('}')) {
-                    if variant.starts_with("//") || variant.contains('=') {
-                        let _ = writeln!(text, "    {variant}");
-                    }
-                }
-                text += "}\n";
-            } else if let Some((name, value)) = line
-                .strip_prefix("static const uint ")
-                .and_then(|l| l.strip_suffix(';'))
-                .and_then(|l| l.split_once(" = "))
-                .filter(|(_, value)| value.parse::<u32>().is_ok())
-            {
-                let _ = writeln!(text, "/// `{name}` of the kernels.\npub const {name}: u32 = {value};");
-            }
-        }
+    for Enumeration { name, variants } in &declarations.enumerations {
+        let _ = writeln!(
+            text,
+            "/// `{name}` of the kernels.\n#[repr(u32)]\n#[derive(Clone, Copy, Debug, PartialEq, Eq)]\npub enum {name} {{\n    {}\n}}",
+            variants.join("\n    ")
+        );
     }
-    Ok(text)
-}
-
-fn slang_files(folder: &Path, found: &mut Vec<std::path::PathBuf>) -> std::io::Result<()> {
-    for entry in std::fs::read_dir(folder)? {
-        let path = entry?.path();
-        if path.is_dir() {
-            slang_files(&path, found)?;
-        } else if path.extension().is_some_and(|e| e == "slang") {
-            found.push(path);
-        }
+    for (name, value) in &declarations.constants {
+        let _ = writeln!(text, "/// `{name}` of the kernels.\npub const {name}: u32 = {value};");
     }
-    Ok(())
+    text
 }
 
 fn snake(name: &str) -> String {

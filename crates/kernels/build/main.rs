@@ -1,6 +1,7 @@
 //! Kernels in Slang -> SPIR-V, machine code for the CPU, and the Rust twins of their structures.
 
 mod cpp;
+mod declarations;
 mod layout;
 mod slang;
 

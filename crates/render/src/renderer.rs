@@ -70,17 +70,14 @@ impl<'a> Renderer<'a> {
         }
         if self.row == self.height {
             self.slowest_before = std::mem::replace(&mut self.slowest, f64::INFINITY);
-        }
-        let portion = self.rate.min(self.slowest_before) * self.session.patience_seconds();
-        if self.row == self.height {
             // As many samples at once as one portion can give to the whole image, and at least one.
-            let affordable = portion / (f64::from(self.width) * f64::from(self.height));
+            let affordable = self.portion() / (f64::from(self.width) * f64::from(self.height));
             let samples = (affordable as u32).clamp(1, self.target - self.pass.end);
             self.pass = self.pass.end..self.pass.end + samples;
             self.row = 0;
         }
         let row_samples = f64::from(self.width) * self.pass.len() as f64;
-        let rows = ((portion / row_samples) as u32).clamp(1, self.height - self.row);
+        let rows = ((self.portion() / row_samples) as u32).clamp(1, self.height - self.row);
 
         let start = Instant::now();
         self.session.add_samples(self.row..self.row + rows, self.pass.clone())?;
@@ -96,6 +93,11 @@ impl<'a> Renderer<'a> {
             self.slowest = self.slowest.min(measured);
         }
         Ok(self.progress())
+    }
+
+    /// Samples that the device has the patience for, in all pixels together.
+    fn portion(&self) -> f64 {
+        self.rate.min(self.slowest_before) * self.session.patience_seconds()
     }
 
     /// How far it has come.

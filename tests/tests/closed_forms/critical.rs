@@ -5,7 +5,7 @@ use raggio_tests::render::means;
 use raggio_tests::{for_each_device, render};
 
 use crate::fresnel::{ask, question};
-use crate::{View, WHITE_SKY, materials, shapes};
+use crate::{View, water_under_the_sky};
 
 /// The largest `u` the kernels can draw refracts wherever refraction is possible.
 const LAST: f32 = 1.0 - 5.960_464_5e-8;
@@ -36,13 +36,7 @@ fn transmission_ends_at_the_critical_angle() {
 /// Looking up from under water one sees the whole sky in a disk, and black water around it.
 #[test]
 fn snells_window_ends_at_the_critical_angle() {
-    let materials =
-        materials(&[("water", "color = [1, 1, 1]\nrefractive_index = 1.33"), ("bottom", "color = [0, 0, 0]")]);
-    let shapes = shapes(&[
-        ("water", "plane = { point = [0, 0, 0], normal = [0, 1, 0] }"),
-        ("bottom", "plane = { point = [0, -9, 0], normal = [0, 1, 0] }"),
-    ]);
-    let rest = [WHITE_SKY, &materials, &shapes].concat();
+    let rest = water_under_the_sky();
     // Wide enough for 55 degrees to both sides.
     let view = View::new([0.0, -1.0, 0.0], [0.0, 0.0, 0.0], 4.0).size(1600, 40);
     let scene = view.scene_with("filter = \"point\"", "", &rest);

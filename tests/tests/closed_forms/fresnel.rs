@@ -5,7 +5,7 @@ use raggio_render::{Answer, Probe, Question};
 use raggio_tests::geometry::{fresnel, refracted};
 use raggio_tests::{TestDevice, estimate, for_each_device};
 
-use crate::{ONE_DIRECTION, View, WHITE_SKY, materials, shapes};
+use crate::{ONE_DIRECTION, View, WHITE_SKY, materials, shapes, water_under_the_sky};
 
 const DEGREES: [f64; 6] = [0.0, 10.0, 30.0, 56.3, 80.0, 89.0];
 
@@ -136,13 +136,7 @@ fn a_lamp_keeps_its_radiance_through_glass() {
 /// From inside water the sky is brighter by the square of the index, less what the surface reflects.
 #[test]
 fn under_water_the_sky_is_brighter() {
-    let materials =
-        materials(&[("water", "color = [1, 1, 1]\nrefractive_index = 1.33"), ("bottom", "color = [0, 0, 0]")]);
-    let shapes = shapes(&[
-        ("water", "plane = { point = [0, 0, 0], normal = [0, 1, 0] }"),
-        ("bottom", "plane = { point = [0, -9, 0], normal = [0, 1, 0] }"),
-    ]);
-    let rest = [WHITE_SKY, &materials, &shapes].concat();
+    let rest = water_under_the_sky();
     for_each_device(|device| {
         for degrees in [0.0f64, 20.0, 45.0] {
             let (sin, cos) = degrees.to_radians().sin_cos();

@@ -90,3 +90,14 @@ fn shapes(list: &[(&str, &str)]) -> String {
 fn materials(list: &[(&str, &str)]) -> String {
     list.iter().map(|(name, keys)| format!("[materials.{name}]\n{keys}\n")).collect()
 }
+
+/// A white sky over water without end, with a black bottom 9 below the surface at height 0.
+fn water_under_the_sky() -> String {
+    let materials =
+        materials(&[("water", "color = [1, 1, 1]\nrefractive_index = 1.33"), ("bottom", "color = [0, 0, 0]")]);
+    let shapes = shapes(&[
+        ("water", "plane = { point = [0, 0, 0], normal = [0, 1, 0] }"),
+        ("bottom", "plane = { point = [0, -9, 0], normal = [0, 1, 0] }"),
+    ]);
+    [WHITE_SKY, &materials, &shapes].concat()
+}
