@@ -1,7 +1,8 @@
+use std::ffi::CStr;
 use std::mem::ManuallyDrop;
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use ash::vk;
+use ash::{khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
 use crate::error::{During, VulkanError};
@@ -12,7 +13,7 @@ pub struct Device {
     pub(crate) raw: ash::Device,
     pub(crate) physical: PhysicalDevice,
     // Freed by hand in `Drop`, before the device.
-    allocator: ManuallyDrop<Mutex<Allocator>>,
+    allocator: ManuallyDrop<Arc<Mutex<Allocator>>>,
     // One submission at a time: the lock is held while it is recorded and waited for.
     pub(crate) queue: Mutex<Queue>,
 }
@@ -39,13 +40,13 @@ impl Device {
         // SAFETY: `physical` came from `instance`.
         let known = unsafe { instance.raw.enumerate_device_extension_properties(physical.handle) }
             .during("vkEnumerateDeviceExtensionProperties")?;
-        // To be asked for wherever it is offered.
-        let portability = c"VK_KHR_portability_subset";
-        let extensions: Vec<_> = known
-            .iter()
-            .filter(|e| e.extension_name_as_c_str() == Ok(portability))
-            .map(|_| portability.as_ptr())
-            .collect();
+        let offered = |name: &CStr| known.iter().any(|e| e.extension_name_as_c_str() == Ok(name));
+        // The first has to be asked for wherever it is offered.
+        let mut extensions = vec![c"VK_KHR_portability_subset"];
+        if instance.presents {
+            extensions.push(khr::swapchain::NAME);
+        }
+        let extensions: Vec<_> = extensions.into_iter().filter(|name| offered(name)).map(CStr::as_ptr).collect();
         let info = vk::DeviceCreateInfo::default()
             .queue_create_infos(&queues)
             .enabled_extension_names(&extensions)
@@ -69,7 +70,7 @@ impl Device {
             Ok((allocator, queue)) => Ok(Arc::new(Self {
                 raw,
                 physical: physical.clone(),
-                allocator: ManuallyDrop::new(Mutex::new(allocator)),
+                allocator: ManuallyDrop::new(Arc::new(Mutex::new(allocator))),
                 queue: Mutex::new(queue),
             })),
             Err(error) => {
@@ -88,6 +89,11 @@ impl Device {
     /// Most bytes that a kernel can see of one buffer.
     pub fn max_binding_bytes(&self) -> u64 {
         u64::from(self.physical.limits.max_storage_buffer_range).min(self.physical.max_buffer_size)
+    }
+
+    /// For a library that allocates by itself; to be given back before the device goes.
+    pub(crate) fn shared_allocator(&self) -> Arc<Mutex<Allocator>> {
+        Arc::clone(&self.allocator)
     }
 
     pub(crate) fn allocator(&self) -> MutexGuard<'_, Allocator> {

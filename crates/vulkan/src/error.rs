@@ -13,6 +13,11 @@ pub enum VulkanError {
         "no Vulkan driver is installed: install your graphics card's, or Mesa's (Debian and Ubuntu: apt install mesa-vulkan-drivers)"
     )]
     NoDriver,
+    /// No window can be drawn into.
+    #[error(
+        "no Vulkan driver on this machine can draw into a window: install your graphics card's, or Mesa's (Debian and Ubuntu: apt install mesa-vulkan-drivers); `raggio render` works without"
+    )]
+    NoWindows,
     /// Validation was asked for and cannot be had.
     #[error(
         "RAGGIO_VALIDATE=1 needs the Vulkan validation layers (Debian and Ubuntu: apt install vulkan-validationlayers)"
@@ -41,6 +46,9 @@ pub enum VulkanError {
     /// Not enough memory.
     #[error("out of memory on the device: {0}")]
     OutOfMemory(String),
+    /// The panels over the picture cannot be drawn.
+    #[error("cannot draw the panels: {0}")]
+    Panels(String),
     /// The driver reset the device or it went away.
     #[error("the device was lost: the driver reset it, or it went away")]
     DeviceLost,

@@ -1,8 +1,9 @@
-use std::ffi::{CStr, c_void};
+use std::ffi::{CStr, c_char, c_void};
 use std::io::Write;
 use std::sync::{Arc, Mutex};
 
 use ash::{ext, khr, vk};
+use raw_window_handle::RawDisplayHandle;
 
 use crate::error::{During, VulkanError};
 
@@ -72,13 +73,25 @@ pub struct Instance {
     debug: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
     // The messenger holds its address.
     messages: Box<Mutex<Vec<String>>>,
+    /// Windows can be drawn into.
+    pub(crate) presents: bool,
     // Unloads the loader's library, so it goes last.
-    entry: ash::Entry,
+    pub(crate) entry: ash::Entry,
 }
 
 impl Instance {
     /// Connects to the loader; `validate` turns on the validation layers, with synchronization validation.
     pub fn new(validate: bool) -> Result<Arc<Self>, VulkanError> {
+        Self::create(validate, &[])
+    }
+
+    /// The same, able to draw into windows of `display`.
+    pub fn for_windows(validate: bool, display: RawDisplayHandle) -> Result<Arc<Self>, VulkanError> {
+        let extensions = ash_window::enumerate_required_extensions(display).map_err(|_| VulkanError::NoWindows)?;
+        Self::create(validate, extensions)
+    }
+
+    fn create(validate: bool, for_windows: &[*const c_char]) -> Result<Arc<Self>, VulkanError> {
         // SAFETY: the Vulkan loader is a well-behaved library; nothing of it is used after `entry` is dropped.
         let entry = unsafe { ash::Entry::load() }.map_err(|_| VulkanError::NoLoader)?;
         let layer = c"VK_LAYER_KHRONOS_validation";
@@ -96,7 +109,11 @@ impl Instance {
         let has = |name: &CStr| known.iter().any(|e| e.extension_name_as_c_str() == Ok(name));
 
         let layers = if validate { vec![layer.as_ptr()] } else { vec![] };
-        let mut extensions = vec![];
+        let mut extensions = for_windows.to_vec();
+        // SAFETY: the names are string constants of `ash`.
+        if for_windows.iter().any(|&name| !has(unsafe { CStr::from_ptr(name) })) {
+            return Err(VulkanError::NoWindows);
+        }
         let mut flags = vk::InstanceCreateFlags::empty();
         if has(khr::portability_enumeration::NAME) {
             // Shows devices such as Apple's, which leave out parts of Vulkan that raggio does not use.
@@ -121,8 +138,9 @@ impl Instance {
         let raw = unsafe { entry.create_instance(&info, None) }.during("vkCreateInstance")?;
 
         let messages = Box::new(Mutex::new(Vec::new()));
+        let presents = !for_windows.is_empty();
         // From here on `Drop` cleans up.
-        let mut instance = Self { raw, debug: None, messages, entry };
+        let mut instance = Self { raw, debug: None, messages, presents, entry };
         if validate {
             instance.debug = Some(listen(&instance.entry, &instance.raw, &instance.messages)?);
         }
@@ -159,7 +177,10 @@ impl Instance {
         };
         let properties = properties.properties;
 
-        let queue_family = queues.iter().position(|q| q.queue_flags.contains(vk::QueueFlags::COMPUTE));
+        // One that can draw too, if there is one: a window's panels are drawn on it.
+        let able = |flags| queues.iter().position(|q| q.queue_flags.contains(flags));
+        let queue_family =
+            able(vk::QueueFlags::COMPUTE | vk::QueueFlags::GRAPHICS).or_else(|| able(vk::QueueFlags::COMPUTE));
         let mut missing = Vec::new();
         if properties.api_version < vk::API_VERSION_1_2 {
             missing.push("Vulkan 1.2".into());

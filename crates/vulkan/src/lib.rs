@@ -5,16 +5,21 @@
 //! Everything is released by `Drop`, in the right order, because each part keeps alive what it was made from.
 
 mod buffer;
+mod canvas;
 mod compute;
 mod device;
 mod error;
+mod image;
 mod instance;
 mod passes;
+mod surface;
 mod transfer;
 
 pub use buffer::{Buffer, Location};
+pub use canvas::{Canvas, Overlay};
 pub use compute::{BindingSet, Module, Pipeline};
 pub use device::Device;
 pub use error::VulkanError;
 pub use instance::{DeviceKind, Instance, PhysicalDevice, STORAGE_BUFFERS};
 pub use passes::Passes;
+pub use surface::Surface;

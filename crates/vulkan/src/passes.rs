@@ -7,6 +7,9 @@ use crate::buffer::Buffer;
 use crate::compute::{BindingSet, Pipeline};
 use crate::device::Device;
 use crate::error::{During, VulkanError};
+use crate::image::{COLOR, COLOR_LAYER, Image};
+
+const UNDEFINED: vk::ImageLayout = vk::ImageLayout::UNDEFINED;
 
 /// After this long without an answer, a single submission counts as hung.
 const PATIENCE: Duration = Duration::from_secs(600);
@@ -16,6 +19,7 @@ const PATIENCE: Duration = Duration::from_secs(600);
 enum Kind {
     Compute,
     Transfer,
+    Draw,
 }
 
 impl Kind {
@@ -23,6 +27,7 @@ impl Kind {
         match self {
             Self::Compute => vk::PipelineStageFlags::COMPUTE_SHADER,
             Self::Transfer => vk::PipelineStageFlags::TRANSFER,
+            Self::Draw => vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT,
         }
     }
 
@@ -30,6 +35,7 @@ impl Kind {
         match self {
             Self::Compute => vk::AccessFlags::SHADER_READ,
             Self::Transfer => vk::AccessFlags::TRANSFER_READ,
+            Self::Draw => vk::AccessFlags::COLOR_ATTACHMENT_READ,
         }
     }
 
@@ -37,6 +43,7 @@ impl Kind {
         match self {
             Self::Compute => vk::AccessFlags::SHADER_WRITE,
             Self::Transfer => vk::AccessFlags::TRANSFER_WRITE,
+            Self::Draw => vk::AccessFlags::COLOR_ATTACHMENT_WRITE,
         }
     }
 }
@@ -49,9 +56,28 @@ pub struct Passes<'a> {
     last: Option<Kind>,
 }
 
+/// Semaphores of a submission that shares images with a display.
+#[derive(Default)]
+pub(crate) struct Around {
+    pub wait: Vec<vk::Semaphore>,
+    pub signal: Vec<vk::Semaphore>,
+}
+
 impl Device {
     /// Records passes, submits them and waits until they are done.
     pub fn run<'a>(&'a self, record: impl FnOnce(&mut Passes<'a>)) -> Result<(), VulkanError> {
+        self.run_around(Around::default(), |passes| {
+            record(passes);
+            Ok(())
+        })
+    }
+
+    /// The same, in step with a window's images.
+    pub(crate) fn run_around<'a>(
+        &'a self,
+        around: Around,
+        record: impl FnOnce(&mut Passes<'a>) -> Result<(), VulkanError>,
+    ) -> Result<(), VulkanError> {
         let queue = self.queue.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the lock makes this thread the only user of the command buffer, and the last submission was waited
@@ -61,11 +87,17 @@ impl Device {
             self.raw.begin_command_buffer(queue.commands, &begin).during("vkBeginCommandBuffer")?;
         }
         let mut passes = Passes::new(&self.raw, queue.commands);
-        record(&mut passes);
+        record(&mut passes)?;
         passes.finish();
 
         let commands = [queue.commands];
-        let submit = [vk::SubmitInfo::default().command_buffers(&commands)];
+        // Whatever touches the window's image waits until the display is done with it.
+        let stages = vec![vk::PipelineStageFlags::TRANSFER; around.wait.len()];
+        let submit = [vk::SubmitInfo::default()
+            .command_buffers(&commands)
+            .wait_semaphores(&around.wait)
+            .wait_dst_stage_mask(&stages)
+            .signal_semaphores(&around.signal)];
         // SAFETY: as above; the resources that the passes use are borrowed by `passes` until after the wait.
         unsafe {
             self.raw.end_command_buffer(queue.commands).during("vkEndCommandBuffer")?;
@@ -119,6 +151,104 @@ impl<'a> Passes<'a> {
         self.begin(Kind::Transfer);
         // SAFETY: as above.
         unsafe { self.device.cmd_fill_buffer(self.commands, buffer.raw, 0, vk::WHOLE_SIZE, 0) };
+    }
+
+    /// Fills all of `image` from `pixels`, 4 bytes each, row by row; it can then be [placed](Self::place).
+    pub(crate) fn fill(&mut self, image: &'a Image, pixels: &'a Buffer) {
+        self.begin(Kind::Transfer);
+        self.transition(
+            image.raw,
+            (Kind::Transfer, UNDEFINED),
+            (Kind::Transfer, vk::ImageLayout::TRANSFER_DST_OPTIMAL),
+        );
+        let region = [vk::BufferImageCopy::default().image_subresource(COLOR_LAYER).image_extent(vk::Extent3D {
+            width: image.width,
+            height: image.height,
+            depth: 1,
+        })];
+        let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+        // SAFETY: the command buffer is recording; the image has the layout named, and the buffer enough pixels.
+        unsafe { self.device.cmd_copy_buffer_to_image(self.commands, pixels.raw, image.raw, layout, &region) };
+        let source = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+        self.transition(image.raw, (Kind::Transfer, layout), (Kind::Transfer, source));
+    }
+
+    /// Clears `target` and draws `image` into the rectangle `[left, top, right, bottom]` of it, scaled; `target` is then
+    /// ready to be drawn on.
+    pub(crate) fn place(&mut self, image: &'a Image, target: vk::Image, rectangle: [i32; 4]) {
+        self.begin(Kind::Transfer);
+        let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+        self.transition(target, (Kind::Transfer, UNDEFINED), (Kind::Transfer, layout));
+        let background = vk::ClearColorValue { float32: [0.09, 0.09, 0.1, 1.0] };
+        let [left, top, right, bottom] = rectangle;
+        let corner = |x, y, z| vk::Offset3D { x, y, z };
+        let region = [vk::ImageBlit::default()
+            .src_subresource(COLOR_LAYER)
+            .src_offsets([corner(0, 0, 0), corner(image.width as i32, image.height as i32, 1)])
+            .dst_subresource(COLOR_LAYER)
+            .dst_offsets([corner(left, top, 0), corner(right, bottom, 1)])];
+        let same_size = (right - left, bottom - top) == (image.width as i32, image.height as i32);
+        let filter = if same_size { vk::Filter::NEAREST } else { vk::Filter::LINEAR };
+        // SAFETY: the command buffer is recording; both images have the layouts named, and the rectangle lies inside.
+        unsafe {
+            self.device.cmd_clear_color_image(self.commands, target, layout, &background, &[COLOR]);
+            self.transition(target, (Kind::Transfer, layout), (Kind::Transfer, layout));
+            let source = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+            self.device.cmd_blit_image(self.commands, image.raw, source, target, layout, &region, filter);
+        }
+        let drawn = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+        self.transition(target, (Kind::Transfer, layout), (Kind::Draw, drawn));
+    }
+
+    /// Draws on `target` inside a render pass that leaves its layout alone.
+    pub(crate) fn draw(
+        &mut self,
+        begin: &vk::RenderPassBeginInfo<'_>,
+        record: impl FnOnce(vk::CommandBuffer) -> Result<(), VulkanError>,
+    ) -> Result<(), VulkanError> {
+        self.last = Some(Kind::Draw);
+        // SAFETY: the command buffer is recording; render pass and framebuffer are alive until the submission is done.
+        unsafe { self.device.cmd_begin_render_pass(self.commands, begin, vk::SubpassContents::INLINE) };
+        record(self.commands)?;
+        // SAFETY: begun above.
+        unsafe { self.device.cmd_end_render_pass(self.commands) };
+        Ok(())
+    }
+
+    /// Leaves `target` as a display wants it, or as a source of copies.
+    pub(crate) fn hand_over(&mut self, target: vk::Image, layout: vk::ImageLayout) {
+        let drawn = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+        self.transition(target, (Kind::Draw, drawn), (Kind::Transfer, layout));
+    }
+
+    /// Copies `image`, handed over as a source of copies, to `pixels`.
+    pub(crate) fn copy_image(&mut self, image: &'a Image, pixels: &'a Buffer) {
+        self.begin(Kind::Transfer);
+        let region = [vk::BufferImageCopy::default().image_subresource(COLOR_LAYER).image_extent(vk::Extent3D {
+            width: image.width,
+            height: image.height,
+            depth: 1,
+        })];
+        let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+        // SAFETY: as in `fill`.
+        unsafe { self.device.cmd_copy_image_to_buffer(self.commands, image.raw, layout, pixels.raw, &region) };
+    }
+
+    fn transition(&self, image: vk::Image, from: (Kind, vk::ImageLayout), to: (Kind, vk::ImageLayout)) {
+        let barrier = [vk::ImageMemoryBarrier::default()
+            .image(image)
+            .subresource_range(COLOR)
+            .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .src_access_mask(from.0.writes())
+            .dst_access_mask(to.0.reads() | to.0.writes())
+            .old_layout(from.1)
+            .new_layout(to.1)];
+        let none = vk::DependencyFlags::empty();
+        // SAFETY: the command buffer is recording, and the image is in the layout `from` or may lose its contents.
+        unsafe {
+            self.device.cmd_pipeline_barrier(self.commands, from.0.stage(), to.0.stage(), none, &[], &[], &barrier);
+        }
     }
 
     fn begin(&mut self, kind: Kind) {
