@@ -116,7 +116,7 @@ impl Job<'_> {
 }
 
 /// Samples until done, interrupted, or the device fails; in each case returns what there is.
-fn sample(renderer: &mut Renderer<'_>, reporter: &mut Reporter) -> Result<(Progress, Film, Option<Failure>), Failure> {
+fn sample(renderer: &mut Renderer, reporter: &mut Reporter) -> Result<(Progress, Film, Option<Failure>), Failure> {
     let interrupted = on_interrupt();
     let mut fault = None;
     while !renderer.finished() && !interrupted.load(Ordering::Relaxed) {

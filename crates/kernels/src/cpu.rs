@@ -4,7 +4,7 @@
 
 use crate::{
     BrokenScene, EntryPoint, FILM_WORD, FilmPixel, INPUT_WORD, OUTPUT_WORD, SCENE_WORD, SCENE_WORDS, SceneBuffers,
-    WORK_WORD, Work,
+    SceneCounts, WORK_WORD, Work,
 };
 
 /// Levels of instruction set that kernels are compiled for; all give the same bits.
@@ -85,6 +85,20 @@ impl CpuScene {
         Ok(Self { buffers })
     }
 
+    /// Looks at the same shapes from another camera: takes over what [`VIEW_BUFFERS`] names.
+    pub fn set_view(&mut self, from: &SceneBuffers) -> Result<(), BrokenScene> {
+        from.check_view()?;
+        let same =
+            |a: &SceneCounts, b: &SceneCounts| (a.shapes, a.nodes, a.unbounded) == (b.shapes, b.nodes, b.unbounded);
+        if !same(&self.buffers.counts[0], &from.counts[0]) {
+            return Err(BrokenScene::new("another view has other shapes"));
+        }
+        self.buffers.camera.clone_from(&from.camera);
+        self.buffers.camera_media.clone_from(&from.camera_media);
+        self.buffers.counts.clone_from(&from.counts);
+        Ok(())
+    }
+
     /// What it was made from.
     pub fn buffers(&self) -> &SceneBuffers {
         &self.buffers
@@ -125,7 +139,10 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
     let pixels = work.width as usize * (first as usize + work.rows as usize);
     let large_enough = match entry {
         EntryPoint::Render => buffers.film.len() >= pixels,
-        EntryPoint::Display => buffers.film.len() >= pixels && buffers.output.len() >= pixels,
+        EntryPoint::Display => {
+            let last = work.first_row as usize + work.rows as usize;
+            buffers.film.len() >= pixels && buffers.output.len() >= work.width as usize * last
+        }
         EntryPoint::Probe => {
             let count = work.count as usize;
             buffers.input.len() >= 3 * count && buffers.output.len() >= 12 * count

@@ -28,10 +28,38 @@ mod generated {
 #[error("broken device scene: {0}")]
 pub struct BrokenScene(String);
 
+impl BrokenScene {
+    pub(crate) fn new(what: &str) -> Self {
+        Self(what.to_owned())
+    }
+}
+
+/// The buffers that depend on the camera; all others are the same from wherever the scene is seen.
+pub const VIEW_BUFFERS: [&str; 3] = ["camera", "cameraMedia", "counts"];
+
 impl SceneBuffers {
+    /// Checks what [`VIEW_BUFFERS`] names, when the rest has been checked before.
+    pub fn check_view(&self) -> Result<(), BrokenScene> {
+        let [counts] = self.counts[..] else { return Err(BrokenScene::new("`counts` must have one element")) };
+        let fits = self.camera.len() == 1
+            && counts.shapes as usize == self.order.len()
+            && counts.nodes as usize == self.nodes.len()
+            && counts.unbounded as usize <= self.order.len()
+            && counts.camera_media as usize == self.camera_media.len()
+            && self.camera_media.len() <= MAX_NESTED_MEDIA as usize;
+        let known = |medium: &CameraMedium| {
+            (medium.shape as usize) < self.order.len() && (medium.material as usize) < self.materials.len()
+        };
+        if fits && self.camera_media.iter().all(known) {
+            Ok(())
+        } else {
+            Err(BrokenScene::new("the view is not of this scene"))
+        }
+    }
+
     /// Checks every index that a kernel follows, so that none can read outside its buffer.
     pub fn check(&self) -> Result<(), BrokenScene> {
-        let fail = |what: &str| Err(BrokenScene(what.to_owned()));
+        let fail = |what: &str| Err(BrokenScene::new(what));
         let [counts] = self.counts[..] else { return fail("`counts` must have one element") };
         if self.camera.len() != 1 || self.sky.len() != 1 {
             return fail("`camera` and `sky` must have one element each");

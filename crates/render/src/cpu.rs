@@ -1,14 +1,16 @@
 //! The CPU as a device: the kernels compiled to machine code, on all cores.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use raggio_kernels::cpu::{Buffers, CpuScene, InstructionSet, dispatch};
-use raggio_kernels::{EntryPoint, Probe, Work};
+use raggio_kernels::{EntryPoint, FilmPixel, Probe, Work};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
-use crate::device::{Answer, Device, DeviceError, DeviceInfo, Question, Session};
+use crate::device::{Answer, Change, Device, DeviceError, DeviceInfo, Pixels, Question, Session};
 use crate::device_scene::DeviceScene;
+use crate::display::{Display, display_rows};
 use crate::film::Film;
 use crate::machine::{cores, processor_name, total_memory_bytes};
 
@@ -31,6 +33,11 @@ impl Default for CpuOptions {
 
 /// The CPU.
 pub struct CpuDevice {
+    workers: Arc<Workers>,
+}
+
+/// What sessions share.
+struct Workers {
     pool: ThreadPool,
     set: InstructionSet,
     tile_rows: u32,
@@ -49,7 +56,7 @@ impl CpuDevice {
             .num_threads(options.threads)
             .build()
             .map_err(|e| DeviceError::Host(format!("cannot start {} threads: {e}", options.threads)))?;
-        Ok(Self { pool, set, tile_rows: options.tile_rows.max(1) })
+        Ok(Self { workers: Arc::new(Workers { pool, set, tile_rows: options.tile_rows.max(1) }) })
     }
 
     /// Its line in the list of devices.
@@ -70,12 +77,13 @@ impl CpuDevice {
 
 impl Device for CpuDevice {
     fn name(&self) -> String {
-        format!("{} (cpu, {} threads, {})", processor_name(), self.pool.current_num_threads(), self.set.name())
+        let Workers { pool, set, .. } = &*self.workers;
+        format!("{} (cpu, {} threads, {})", processor_name(), pool.current_num_threads(), set.name())
     }
 
-    fn load<'a>(&'a self, scene: &DeviceScene) -> Result<Box<dyn Session + 'a>, DeviceError> {
+    fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
         Ok(Box::new(CpuSession {
-            device: self,
+            workers: self.workers.clone(),
             scene: CpuScene::new(scene.buffers.clone())?,
             work: scene.work,
             film: Film::new(scene.work.width, scene.work.height),
@@ -83,20 +91,20 @@ impl Device for CpuDevice {
     }
 }
 
-struct CpuSession<'a> {
-    device: &'a CpuDevice,
+struct CpuSession {
+    workers: Arc<Workers>,
     scene: CpuScene,
     work: Work,
     film: Film,
 }
 
-impl Session for CpuSession<'_> {
+impl Session for CpuSession {
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
-        let Self { device, scene, work, film } = self;
+        let Self { workers, scene, work, film } = self;
         let width = work.width as usize;
         let band = &mut film.pixels_mut()[rows.start as usize * width..rows.end as usize * width];
-        let tile_rows = device.tile_rows;
-        device.pool.install(|| {
+        let tile_rows = workers.tile_rows;
+        workers.pool.install(|| {
             band.par_chunks_mut(width * tile_rows as usize).enumerate().for_each(|(i, tile)| {
                 let first_row = rows.start + i as u32 * tile_rows;
                 let work = Work {
@@ -108,10 +116,35 @@ impl Session for CpuSession<'_> {
                     ..*work
                 };
                 let buffers = Buffers { film: tile, ..Buffers::default() };
-                dispatch(device.set, EntryPoint::Render, Some(scene), &work, buffers);
+                dispatch(workers.set, EntryPoint::Render, Some(scene), &work, buffers);
             });
         });
         Ok(())
+    }
+
+    fn restart(&mut self, scene: &DeviceScene, change: Change) -> Result<(), DeviceError> {
+        match change {
+            Change::View => self.scene.set_view(&scene.buffers)?,
+            Change::Scene => self.scene = CpuScene::new(scene.buffers.clone())?,
+        }
+        self.work = scene.work;
+        self.film = Film::new(scene.work.width, scene.work.height);
+        Ok(())
+    }
+
+    fn display(&mut self, display: Display) -> Result<Pixels, DeviceError> {
+        let Self { workers, work, film, .. } = self;
+        let tile = (work.width * workers.tile_rows) as usize;
+        let mut pixels = vec![0; film.pixels().len()];
+        workers.pool.install(|| {
+            let tiles = film.pixels_mut().par_chunks_mut(tile).zip(pixels.par_chunks_mut(tile));
+            tiles.for_each(|(film, pixels)| display_rows(film, work.width, display, workers.set, pixels));
+        });
+        Ok(Pixels::Host(pixels))
+    }
+
+    fn pixel(&self, x: u32, y: u32) -> Result<FilmPixel, DeviceError> {
+        Ok(self.film.pixels()[(y * self.work.width + x) as usize])
     }
 
     fn film(&self) -> Result<Film, DeviceError> {
@@ -123,7 +156,7 @@ impl Session for CpuSession<'_> {
         let work = Work { probe: probe as u32, count: questions.len() as u32, ..self.work };
         let input = bytemuck::cast_slice(questions);
         let buffers = Buffers { output: &mut output, input, ..Buffers::default() };
-        dispatch(self.device.set, EntryPoint::Probe, Some(&self.scene), &work, buffers);
+        dispatch(self.workers.set, EntryPoint::Probe, Some(&self.scene), &work, buffers);
         Ok(bytemuck::allocation::pod_collect_to_vec(&output))
     }
 

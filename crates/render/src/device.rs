@@ -1,11 +1,13 @@
 //! What the rest of the program knows of a device.
 
 use std::ops::Range;
+use std::sync::Arc;
 
-use raggio_kernels::{BrokenScene, Probe};
-use raggio_vulkan::VulkanError;
+use raggio_kernels::{BrokenScene, FilmPixel, Probe};
+use raggio_vulkan::{Buffer, VulkanError};
 
 use crate::device_scene::DeviceScene;
+use crate::display::Display;
 use crate::film::Film;
 
 /// Something that can trace rays.
@@ -19,13 +21,23 @@ pub trait Device: Send + Sync {
     }
 
     /// Makes `scene` resident, with an empty film.
-    fn load<'a>(&'a self, scene: &DeviceScene) -> Result<Box<dyn Session + 'a>, DeviceError>;
+    fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError>;
 }
 
 /// A scene and its film on a device.
 pub trait Session {
     /// Adds the samples `samples` to the pixels of `rows`, and waits for them.
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError>;
+
+    /// Begins anew with another camera, resolution or settings; `scene` must have the shapes and materials of the one
+    /// that was loaded.
+    fn restart(&mut self, scene: &DeviceScene, change: Change) -> Result<(), DeviceError>;
+
+    /// The film as displayable pixels.
+    fn display(&mut self, display: Display) -> Result<Pixels, DeviceError>;
+
+    /// One pixel of the film as it is now; `x` and `y` are inside it.
+    fn pixel(&self, x: u32, y: u32) -> Result<FilmPixel, DeviceError>;
 
     /// The film as it is now.
     fn film(&self) -> Result<Film, DeviceError>;
@@ -35,6 +47,23 @@ pub trait Session {
 
     /// How long one call of [`Session::add_samples`] may take without harm, in seconds.
     fn patience_seconds(&self) -> f64;
+}
+
+/// What differs from the scene that a session has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// The camera and the settings alone: nothing large is sent to the device.
+    View,
+    /// Anything.
+    Scene,
+}
+
+/// Displayable pixels, 0xAABBGGRR in sRGB, row by row from the top left.
+pub enum Pixels {
+    /// In the host's memory.
+    Host(Vec<u32>),
+    /// In the memory of the device that traced them.
+    Device(Arc<Buffer>),
 }
 
 /// Arguments of a probe.

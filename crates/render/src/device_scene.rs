@@ -46,11 +46,6 @@ impl DeviceScene {
             materials: scene.materials.iter().map(device_material).collect(),
             ..SceneBuffers::default()
         };
-        let around = media_around(scene);
-        let (found, limit) = (around.len(), MAX_NESTED_MEDIA as usize);
-        if found > limit {
-            return Err(TranslationError::TooManyMedia { found, limit });
-        }
         let references: Vec<_> = scene.shapes.iter().map(|shape| add_shape(&mut buffers, shape)).collect();
 
         // Shapes without bounds come first, for they are tried one by one; the others in the order of the leaves.
@@ -60,10 +55,7 @@ impl DeviceScene {
         let shape_of_place = [unbounded.as_slice(), &hierarchy.order].concat();
         buffers.order = shape_of_place.iter().map(|&i| references[i as usize]).collect();
         buffers.nodes = hierarchy.nodes;
-        let place = |shape: &u32| shape_of_place.iter().position(|s| s == shape).unwrap_or_default() as u32;
-        let medium =
-            |shape| CameraMedium { shape: place(shape), material: scene.shapes[*shape as usize].material as u32 };
-        buffers.camera_media = around.iter().map(medium).collect();
+        buffers.camera_media = camera_media(scene, &shape_of_place)?;
         buffers.counts = vec![SceneCounts {
             shapes: buffers.order.len() as u32,
             unbounded: unbounded.len() as u32,
@@ -73,10 +65,34 @@ impl DeviceScene {
         Ok(Self { buffers, work: settings(&scene.render), shape_of_place })
     }
 
+    /// Looks at the same scene from another camera, or with other settings: `scene` differs from the one this was made
+    /// of in nothing else. Takes no longer for large scenes than for small ones, unless bodies surround the camera.
+    pub fn set_view(&mut self, scene: &Scene) -> Result<(), TranslationError> {
+        self.buffers.camera = vec![device_camera(&scene.camera, &scene.render)];
+        self.buffers.camera_media = camera_media(scene, &self.shape_of_place)?;
+        for counts in &mut self.buffers.counts {
+            counts.camera_media = self.buffers.camera_media.len() as u32;
+        }
+        self.work = settings(&scene.render);
+        Ok(())
+    }
+
     /// Shapes in it.
     pub fn shapes(&self) -> usize {
         self.buffers.order.len()
     }
+}
+
+/// The dielectric bodies around the camera, outermost first.
+fn camera_media(scene: &Scene, shape_of_place: &[u32]) -> Result<Vec<CameraMedium>, TranslationError> {
+    let around = media_around(scene);
+    let (found, limit) = (around.len(), MAX_NESTED_MEDIA as usize);
+    if found > limit {
+        return Err(TranslationError::TooManyMedia { found, limit });
+    }
+    let place = |shape: &u32| shape_of_place.iter().position(|s| s == shape).unwrap_or_default() as u32;
+    let medium = |shape| CameraMedium { shape: place(shape), material: scene.shapes[*shape as usize].material as u32 };
+    Ok(around.iter().map(medium).collect())
 }
 
 fn settings(render: &RenderSettings) -> Work {

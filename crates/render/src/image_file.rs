@@ -7,25 +7,9 @@ use std::path::{Path, PathBuf};
 use exr::prelude::{SpecificChannels, WritableImage};
 use image::ImageEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use raggio_kernels::cpu::{Buffers, InstructionSet, dispatch};
-use raggio_kernels::{EntryPoint, ToneMapper, Work};
 
+use crate::display::{Display, displayed};
 use crate::film::Film;
-
-/// How radiance becomes the colours of a PNG.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Display {
-    /// Stops: each doubles the brightness.
-    pub exposure: f32,
-    /// The curve.
-    pub tone_mapper: ToneMapper,
-}
-
-impl Default for Display {
-    fn default() -> Self {
-        Self { exposure: 0.0, tone_mapper: ToneMapper::Neutral }
-    }
-}
 
 /// A file to be written.
 #[derive(Clone, Debug)]
@@ -153,27 +137,6 @@ fn write_png(film: &Film, display: Display, to: &mut impl Write) -> io::Result<(
     PngEncoder::new_with_quality(to, CompressionType::Best, FilterType::Adaptive)
         .write_image(&pixels, film.width(), film.height(), image::ExtendedColorType::Rgb8)
         .map_err(io::Error::other)
-}
-
-/// The display kernel over the whole film, some rows at a time to keep the copies small.
-fn displayed(film: &Film, display: Display) -> Vec<u32> {
-    const ROWS: usize = 64;
-    let set = InstructionSet::best().unwrap_or(InstructionSet::Baseline);
-    let width = film.width() as usize;
-    let mut output = vec![0; film.pixels().len()];
-    for (pixels, output) in film.pixels().chunks(ROWS * width).zip(output.chunks_mut(ROWS * width)) {
-        let work = Work {
-            width: film.width(),
-            height: film.height(),
-            rows: (pixels.len() / width) as u32,
-            exposure: display.exposure,
-            tone_mapper: display.tone_mapper as u32,
-            ..Work::default()
-        };
-        let buffers = Buffers { film: &mut pixels.to_vec(), output, ..Buffers::default() };
-        dispatch(set, EntryPoint::Display, None, &work, buffers);
-    }
-    output
 }
 
 fn write_exr(film: &Film, to: &mut (impl Write + io::Seek)) -> io::Result<()> {

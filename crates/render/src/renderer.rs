@@ -2,17 +2,19 @@
 
 use std::time::{Duration, Instant};
 
-use crate::device::{DeviceError, Session};
+use crate::device::{Change, DeviceError, Session};
+use crate::device_scene::DeviceScene;
 use crate::film::Film;
 
 /// Adds samples to a session's film, a portion at a time: each as long as the device has patience for.
 ///
 /// Portions and passes never change the picture: a sample's random numbers depend on its pixel and number alone.
-pub struct Renderer<'a> {
-    session: Box<dyn Session + 'a>,
+pub struct Renderer {
+    session: Box<dyn Session>,
     width: u32,
     height: u32,
     target: u32,
+    samples_per_pass: Option<u32>,
     /// The pass under way adds these samples to every pixel...
     pass: std::ops::Range<u32>,
     /// ...and has come as far as this row.
@@ -41,14 +43,15 @@ pub struct Progress {
     pub seconds: f64,
 }
 
-impl<'a> Renderer<'a> {
+impl Renderer {
     /// For `target` samples per pixel of a `width` x `height` image.
-    pub fn new(session: Box<dyn Session + 'a>, width: u32, height: u32, target: u32) -> Self {
+    pub fn new(session: Box<dyn Session>, width: u32, height: u32, target: u32) -> Self {
         Self {
             session,
             width,
             height,
             target,
+            samples_per_pass: None,
             pass: 0..0,
             row: height,
             rate: 2e5,
@@ -60,24 +63,62 @@ impl<'a> Renderer<'a> {
 
     /// True once every pixel has all its samples.
     pub fn finished(&self) -> bool {
-        self.row == self.height && self.pass.end == self.target
+        self.row == self.height && self.pass.end >= self.target
     }
 
-    /// Renders one portion.
+    /// Begins anew, with another scene, view or size; what it has learned of the device's speed stays.
+    pub fn restart(&mut self, scene: &DeviceScene, change: Change) -> Result<(), DeviceError> {
+        self.session.restart(scene, change)?;
+        (self.width, self.height) = (scene.work.width, scene.work.height);
+        self.pass = 0..0;
+        self.row = self.height;
+        self.slowest = f64::INFINITY;
+        self.slowest_before = f64::INFINITY;
+        self.sampling = Duration::ZERO;
+        Ok(())
+    }
+
+    /// Changes how many samples each pixel is to have; a pass under way is finished.
+    pub fn set_target(&mut self, target: u32) {
+        self.target = target;
+    }
+
+    /// Samples that a pass adds to each pixel; `None`: as many as the device does in one portion.
+    pub fn set_samples_per_pass(&mut self, samples: Option<u32>) {
+        self.samples_per_pass = samples;
+    }
+
+    /// Samples per second, in all pixels together, as lately measured.
+    pub fn rate(&self) -> f64 {
+        self.rate.min(self.slowest_before)
+    }
+
+    /// The scene and the film on the device.
+    pub fn session(&mut self) -> &mut dyn Session {
+        &mut *self.session
+    }
+
+    /// Renders one portion, of the length that the device has patience for.
     pub fn advance(&mut self) -> Result<Progress, DeviceError> {
+        self.advance_for(f64::INFINITY)
+    }
+
+    /// Renders one portion that takes about `seconds`, and no longer than the device has patience for.
+    pub fn advance_for(&mut self, seconds: f64) -> Result<Progress, DeviceError> {
+        let portion = self.rate() * seconds.min(self.session.patience_seconds());
         if self.finished() {
             return Ok(self.progress());
         }
         if self.row == self.height {
             self.slowest_before = std::mem::replace(&mut self.slowest, f64::INFINITY);
             // As many samples at once as one portion can give to the whole image, and at least one.
-            let affordable = self.portion() / (f64::from(self.width) * f64::from(self.height));
-            let samples = (affordable as u32).clamp(1, self.target - self.pass.end);
+            let affordable = portion / (f64::from(self.width) * f64::from(self.height));
+            let samples = self.samples_per_pass.unwrap_or(affordable as u32).clamp(1, self.target - self.pass.end);
             self.pass = self.pass.end..self.pass.end + samples;
             self.row = 0;
         }
         let row_samples = f64::from(self.width) * self.pass.len() as f64;
-        let rows = ((self.portion() / row_samples) as u32).clamp(1, self.height - self.row);
+        let rows = ((portion / row_samples) as u32).clamp(1, self.height - self.row);
 
         let start = Instant::now();
         self.session.add_samples(self.row..self.row + rows, self.pass.clone())?;
@@ -93,11 +134,6 @@ impl<'a> Renderer<'a> {
             self.slowest = self.slowest.min(measured);
         }
         Ok(self.progress())
-    }
-
-    /// Samples that the device has the patience for, in all pixels together.
-    fn portion(&self) -> f64 {
-        self.rate.min(self.slowest_before) * self.session.patience_seconds()
     }
 
     /// How far it has come.

@@ -4,12 +4,14 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use raggio_kernels::{
-    EntryPoint, FILM_BINDING, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, SCENE_BINDINGS, SCENE_SET, SPIRV, Work,
+    EntryPoint, FILM_BINDING, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, SCENE_BINDINGS, SCENE_SET, SPIRV,
+    VIEW_BUFFERS, Work,
 };
-use raggio_vulkan::{BindingSet, Buffer, Device as VulkanContext, Module, PhysicalDevice, Pipeline};
+use raggio_vulkan::{BindingSet, Buffer, Device as VulkanContext, Location, Module, PhysicalDevice, Pipeline};
 
-use crate::device::{Answer, Device, DeviceError, Question, Session};
+use crate::device::{Answer, Change, Device, DeviceError, Pixels, Question, Session};
 use crate::device_scene::DeviceScene;
+use crate::display::Display;
 use crate::film::Film;
 
 // `raggio devices` calls a device fit by this number.
@@ -22,61 +24,105 @@ const BAND_BYTES: u64 = 64 << 20;
 
 /// A GPU, or a software Vulkan driver.
 pub struct VulkanDevice {
+    kernels: Arc<Kernels>,
+}
+
+/// What sessions share: the device and its compiled kernels.
+struct Kernels {
     context: Arc<VulkanContext>,
     module: Arc<Module>,
     render: Pipeline,
+    display: Pipeline,
     probe: Pipeline,
 }
 
 impl VulkanDevice {
     /// Opens `physical` and compiles the kernels for it.
     pub fn new(physical: &PhysicalDevice) -> Result<Self, DeviceError> {
-        let context = VulkanContext::new(physical)?;
+        Self::with_kernels(VulkanContext::new(physical)?, SPIRV)
+    }
+
+    /// Compiles other kernels of the same layout for an open device.
+    pub fn with_kernels(context: Arc<VulkanContext>, spirv: &[u8]) -> Result<Self, DeviceError> {
         let mut bindings = vec![Vec::new(); 2];
         bindings[BUFFER_SET as usize] = vec![FILM_BINDING, OUTPUT_BINDING, INPUT_BINDING];
         bindings[SCENE_SET as usize] = SCENE_BINDINGS.to_vec();
-        let module = Module::new(&context, SPIRV, &bindings, size_of::<Work>() as u32)?;
+        let module = Module::new(&context, spirv, &bindings, size_of::<Work>() as u32)?;
         let render = module.pipeline(EntryPoint::Render.name())?;
+        let display = module.pipeline(EntryPoint::Display.name())?;
         let probe = module.pipeline(EntryPoint::Probe.name())?;
-        Ok(Self { context, module, render, probe })
+        Ok(Self { kernels: Arc::new(Kernels { context, module, render, display, probe }) })
+    }
+
+    /// The open device, which windows share.
+    pub fn context(&self) -> &Arc<VulkanContext> {
+        &self.kernels.context
     }
 }
 
 impl Device for VulkanDevice {
     fn name(&self) -> String {
-        let physical = self.context.physical();
+        let physical = self.context().physical();
         format!("{} (vulkan:{})", physical.name, physical.index)
     }
 
     fn validation_messages(&self) -> Vec<String> {
-        self.context.physical().instance().validation_messages()
+        self.context().physical().instance().validation_messages()
     }
 
-    fn load<'a>(&'a self, scene: &DeviceScene) -> Result<Box<dyn Session + 'a>, DeviceError> {
+    fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
         scene.buffers.check()?;
-        let buffers = SCENE_BINDINGS
-            .iter()
-            .zip(scene.buffers.bytes())
-            .map(|(&binding, b)| Ok((binding, Arc::new(Buffer::with_bytes(&self.context, b.name, b.bytes)?))))
-            .collect::<Result<Vec<_>, DeviceError>>()?;
-        let scene_set = self.module.bind(SCENE_SET, &buffers)?;
-
-        let Work { width, height, .. } = scene.work;
-        let row_bytes = u64::from(width) * size_of::<FilmPixel>() as u64;
-        let band_rows = (BAND_BYTES / row_bytes).max(1).min(u64::from(height)) as u32;
-        let bands = (0..height)
-            .step_by(band_rows as usize)
-            .map(|first| {
-                let rows = first..height.min(first + band_rows);
-                let size = row_bytes * rows.len() as u64;
-                let film = Arc::new(Buffer::zeroed(&self.context, "film", size)?);
-                let set = self.module.bind(BUFFER_SET, &[(FILM_BINDING, film.clone())])?;
-                Ok(Band { rows, film, set })
-            })
-            .collect::<Result<Vec<_>, DeviceError>>()?;
-        Ok(Box::new(VulkanSession { device: self, work: scene.work, scene_set, bands }))
+        let kernels = self.kernels.clone();
+        let (buffers, scene_set) = kernels.upload(scene, &[])?;
+        let bands = kernels.film(&scene.work)?;
+        Ok(Box::new(VulkanSession { kernels, work: scene.work, buffers, scene_set, bands, output: None }))
     }
 }
+
+impl Kernels {
+    /// The scene's buffers by binding; for another view alone, those of `old` that it does not touch.
+    fn upload(&self, scene: &DeviceScene, old: &[(u32, Arc<Buffer>)]) -> Result<(Resident, BindingSet), DeviceError> {
+        let mut buffers = Vec::new();
+        for (&binding, b) in SCENE_BINDINGS.iter().zip(scene.buffers.bytes()) {
+            let kept = old.iter().find(|(known, _)| *known == binding && !VIEW_BUFFERS.contains(&b.name));
+            let buffer = match kept {
+                Some((_, buffer)) => buffer.clone(),
+                None => Arc::new(Buffer::with_bytes(&self.context, b.name, b.bytes)?),
+            };
+            buffers.push((binding, buffer));
+        }
+        let set = self.module.bind(SCENE_SET, &buffers)?;
+        Ok((buffers, set))
+    }
+
+    /// An empty film, in bands.
+    fn film(&self, work: &Work) -> Result<Vec<Band>, DeviceError> {
+        let row_bytes = u64::from(work.width) * size_of::<FilmPixel>() as u64;
+        let band_rows = (BAND_BYTES / row_bytes).max(1).min(u64::from(work.height)) as u32;
+        let bands = (0..work.height).step_by(band_rows as usize).map(|first| {
+            let rows = first..work.height.min(first + band_rows);
+            let film = Arc::new(Buffer::zeroed(&self.context, "film", row_bytes * rows.len() as u64)?);
+            let set = self.module.bind(BUFFER_SET, &[(FILM_BINDING, film.clone())])?;
+            Ok(Band { rows, film, set })
+        });
+        bands.collect()
+    }
+
+    /// Room for displayable pixels, and the sets that display each band into it.
+    fn output(&self, work: &Work, bands: &[Band]) -> Result<Output, DeviceError> {
+        let bytes = u64::from(work.width) * u64::from(work.height) * 4;
+        let pixels = Arc::new(Buffer::new(&self.context, "displayed pixels", bytes, Location::Device)?);
+        let sets = bands.iter().map(|band| {
+            let bindings = [(FILM_BINDING, band.film.clone()), (OUTPUT_BINDING, pixels.clone())];
+            Ok(self.module.bind(BUFFER_SET, &bindings)?)
+        });
+        let sets = sets.collect::<Result<_, DeviceError>>()?;
+        Ok(Output { pixels, sets })
+    }
+}
+
+/// The scene's buffers by binding.
+type Resident = Vec<(u32, Arc<Buffer>)>;
 
 /// A run of rows of the film, in a buffer of its own.
 struct Band {
@@ -85,14 +131,24 @@ struct Band {
     set: BindingSet,
 }
 
-struct VulkanSession<'a> {
-    device: &'a VulkanDevice,
-    work: Work,
-    scene_set: BindingSet,
-    bands: Vec<Band>,
+/// The film as it is displayed.
+struct Output {
+    pixels: Arc<Buffer>,
+    /// For each band.
+    sets: Vec<BindingSet>,
 }
 
-impl Session for VulkanSession<'_> {
+struct VulkanSession {
+    kernels: Arc<Kernels>,
+    work: Work,
+    buffers: Resident,
+    scene_set: BindingSet,
+    bands: Vec<Band>,
+    // Only who displays needs it.
+    output: Option<Output>,
+}
+
+impl Session for VulkanSession {
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
         for band in &self.bands {
             let first = rows.start.max(band.rows.start);
@@ -110,11 +166,59 @@ impl Session for VulkanSession<'_> {
             };
             let groups = EntryPoint::Render.groups(&work);
             let sets = [&band.set, &self.scene_set];
-            self.device.context.run(|passes| {
-                passes.compute(&self.device.render, &sets, bytemuck::bytes_of(&work), groups);
+            self.kernels.context.run(|passes| {
+                passes.compute(&self.kernels.render, &sets, bytemuck::bytes_of(&work), groups);
             })?;
         }
         Ok(())
+    }
+
+    fn restart(&mut self, scene: &DeviceScene, change: Change) -> Result<(), DeviceError> {
+        let kept = match change {
+            Change::View => {
+                scene.buffers.check_view()?;
+                std::mem::take(&mut self.buffers)
+            }
+            Change::Scene => {
+                scene.buffers.check()?;
+                vec![]
+            }
+        };
+        (self.buffers, self.scene_set) = self.kernels.upload(scene, &kept)?;
+        let same_size = (self.work.width, self.work.height) == (scene.work.width, scene.work.height);
+        self.work = scene.work;
+        if same_size {
+            self.kernels.context.run(|passes| self.bands.iter().for_each(|band| passes.clear(&band.film)))?;
+        } else {
+            self.output = None;
+            self.bands = self.kernels.film(&self.work)?;
+        }
+        Ok(())
+    }
+
+    fn display(&mut self, display: Display) -> Result<Pixels, DeviceError> {
+        let output = match self.output.take() {
+            Some(output) => output,
+            None => self.kernels.output(&self.work, &self.bands)?,
+        };
+        self.kernels.context.run(|passes| {
+            for (band, set) in self.bands.iter().zip(&output.sets) {
+                let (first, rows) = (band.rows.start, band.rows.len() as u32);
+                let work = display.apply(Work { band_row: first, first_row: first, rows, ..self.work });
+                let groups = EntryPoint::Display.groups(&work);
+                passes.compute(&self.kernels.display, &[set], bytemuck::bytes_of(&work), groups);
+            }
+        })?;
+        Ok(Pixels::Device(self.output.insert(output).pixels.clone()))
+    }
+
+    fn pixel(&self, x: u32, y: u32) -> Result<FilmPixel, DeviceError> {
+        let size = size_of::<FilmPixel>() as u64;
+        let band = self.bands.iter().find(|band| band.rows.contains(&y));
+        let band = band.ok_or_else(|| DeviceError::Host(format!("there is no row {y} in the film")))?;
+        let place = u64::from(y - band.rows.start) * u64::from(self.work.width) + u64::from(x);
+        let bytes = band.film.read_range(place * size..(place + 1) * size)?;
+        Ok(bytemuck::pod_read_unaligned(&bytes))
     }
 
     fn film(&self) -> Result<Film, DeviceError> {
@@ -126,14 +230,14 @@ impl Session for VulkanSession<'_> {
     }
 
     fn ask(&mut self, probe: Probe, questions: &[Question]) -> Result<Vec<Answer>, DeviceError> {
-        let context = &self.device.context;
+        let context = &self.kernels.context;
         let work = Work { probe: probe as u32, count: questions.len() as u32, ..self.work };
         let input = Arc::new(Buffer::with_bytes(context, "questions", bytemuck::cast_slice(questions))?);
         let output = Arc::new(Buffer::zeroed(context, "answers", size_of_val(questions) as u64)?);
-        let set = self.device.module.bind(BUFFER_SET, &[(INPUT_BINDING, input), (OUTPUT_BINDING, output.clone())])?;
+        let set = self.kernels.module.bind(BUFFER_SET, &[(INPUT_BINDING, input), (OUTPUT_BINDING, output.clone())])?;
         let sets = [&set, &self.scene_set];
         let groups = EntryPoint::Probe.groups(&work);
-        context.run(|passes| passes.compute(&self.device.probe, &sets, bytemuck::bytes_of(&work), groups))?;
+        context.run(|passes| passes.compute(&self.kernels.probe, &sets, bytemuck::bytes_of(&work), groups))?;
         Ok(bytemuck::allocation::pod_collect_to_vec(&output.read()?))
     }
 

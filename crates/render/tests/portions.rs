@@ -5,7 +5,9 @@ use std::ops::Range;
 use std::rc::Rc;
 use std::time::Duration;
 
-use raggio_render::{Answer, DeviceError, Film, Probe, Question, Renderer, Session};
+use raggio_render::{
+    Answer, Change, DeviceError, DeviceScene, Display, Film, FilmPixel, Pixels, Probe, Question, Renderer, Session,
+};
 
 const WIDTH: u32 = 100;
 const HEIGHT: u32 = 70;
@@ -36,6 +38,18 @@ impl Session for Clock {
         }
         std::thread::sleep(Duration::from_secs_f64(portion * self.seconds_per_sample));
         Ok(())
+    }
+
+    fn restart(&mut self, _: &DeviceScene, _: Change) -> Result<(), DeviceError> {
+        Ok(())
+    }
+
+    fn display(&mut self, _: Display) -> Result<Pixels, DeviceError> {
+        Ok(Pixels::Host(vec![]))
+    }
+
+    fn pixel(&self, _: u32, _: u32) -> Result<FilmPixel, DeviceError> {
+        Ok(FilmPixel::default())
     }
 
     fn film(&self) -> Result<Film, DeviceError> {

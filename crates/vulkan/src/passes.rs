@@ -1,3 +1,4 @@
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -136,12 +137,21 @@ impl<'a> Passes<'a> {
 
     /// Copies as many bytes as fit both buffers.
     pub fn copy(&mut self, from: &'a Buffer, to: &'a Buffer) {
-        let size = from.size().min(to.size());
+        self.copy_range(from, 0..from.size().min(to.size()), to);
+    }
+
+    /// Copies a range of one buffer to the start of another.
+    ///
+    /// # Panics
+    /// If either buffer is too small.
+    pub fn copy_range(&mut self, from: &'a Buffer, range: Range<u64>, to: &'a Buffer) {
+        let size = range.end - range.start;
+        assert!(range.end <= from.size() && size <= to.size(), "a copy stays inside its buffers");
         if size == 0 {
             return;
         }
         self.begin(Kind::Transfer);
-        let region = [vk::BufferCopy::default().size(size)];
+        let region = [vk::BufferCopy::default().src_offset(range.start).size(size)];
         // SAFETY: as above; the region lies inside both buffers.
         unsafe { self.device.cmd_copy_buffer(self.commands, from.raw, to.raw, &region) };
     }

@@ -1,3 +1,4 @@
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::buffer::{Buffer, Location};
@@ -25,8 +26,17 @@ impl Buffer {
 
     /// Its bytes, copied to the host.
     pub fn read(&self) -> Result<Vec<u8>, VulkanError> {
-        let staging = Self::new(&self.device, "staging for a read", self.size(), Location::Readback)?;
-        self.device.run(|passes| passes.copy(self, &staging))?;
-        Ok(staging.mapped()[..self.size() as usize].to_vec())
+        self.read_range(0..self.size())
+    }
+
+    /// Some of its bytes, copied to the host.
+    ///
+    /// # Panics
+    /// If the range reaches past the end.
+    pub fn read_range(&self, range: Range<u64>) -> Result<Vec<u8>, VulkanError> {
+        let size = range.end - range.start;
+        let staging = Self::new(&self.device, "staging for a read", size, Location::Readback)?;
+        self.device.run(|passes| passes.copy_range(self, range, &staging))?;
+        Ok(staging.mapped()[..size as usize].to_vec())
     }
 }
