@@ -35,7 +35,7 @@ impl BrokenScene {
 }
 
 /// The buffers that depend on the camera; all others are the same from wherever the scene is seen.
-pub const VIEW_BUFFERS: [&str; 3] = ["camera", "cameraMedia", "counts"];
+pub const VIEW_BUFFERS: [&str; 3] = ["camera", "camera_media", "counts"];
 
 impl SceneBuffers {
     /// Checks what [`VIEW_BUFFERS`] names, when the rest has been checked before.
