@@ -38,5 +38,6 @@ mod source;
 
 pub use error::SceneError;
 pub use glam::Vec3;
+pub use load::{display_name, read_text};
 pub use scene::{Camera, Environment, Filter, Geometry, Material, Reflection, RenderSettings, Scene, Shape, rotation};
 pub use schema::schema;

@@ -25,11 +25,8 @@ impl Scene {
     /// # Errors
     /// When the file cannot be read, is larger than 64 MiB, or is not a valid scene.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
-        let name = names::escaped(&path.display().to_string());
-        refuse_meshes(path, &name)?;
-        let bytes = read(path).map_err(|message| SceneError::whole_file(&name, message))?;
-        let text = utf8(&bytes, &name)?;
-        Self::parse(text, &name)
+        let text = read_text(path)?;
+        Self::parse(&text, &display_name(path))
     }
 
     /// Reads and checks the text of a scene file; `name` stands for the file in messages.
@@ -43,6 +40,22 @@ impl Scene {
         scene.warnings = document.warnings(&warnings);
         Ok(scene)
     }
+}
+
+/// The text of a scene file, which [`Scene::parse`] has still to check.
+///
+/// # Errors
+/// When the file cannot be read, is larger than 64 MiB, is a mesh, or is not UTF-8.
+pub fn read_text(path: &Path) -> Result<String, SceneError> {
+    let name = display_name(path);
+    refuse_meshes(path, &name)?;
+    let bytes = read(path).map_err(|message| SceneError::whole_file(&name, message))?;
+    utf8(&bytes, &name).map(str::to_string)
+}
+
+/// A file as messages name it: control characters are escaped, because messages go to terminals.
+pub fn display_name(path: &Path) -> String {
+    names::escaped(&path.display().to_string())
 }
 
 /// The version comes first: in a file of another version unknown keys are no mistakes.

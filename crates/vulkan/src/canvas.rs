@@ -1,15 +1,16 @@
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use ash::vk;
 use egui_ash_renderer::allocator::GpuAllocator;
-use egui_ash_renderer::{Options, RenderMode, Renderer};
+use egui_ash_renderer::{Options, RenderMode, Renderer, RendererError};
 
 use crate::buffer::{Buffer, Location};
 use crate::device::Device;
 use crate::error::{During, VulkanError};
 use crate::image::{FORMAT, Image};
 use crate::passes::Around;
-use crate::surface::{Surface, Swapchain};
+use crate::surface::{Acquired, Surface, Swapchain};
 
 /// Panels drawn over the picture, as egui describes them.
 pub struct Overlay<'a> {
@@ -19,6 +20,48 @@ pub struct Overlay<'a> {
     pub textures: egui::TexturesDelta,
     /// Physical pixels in a point of egui.
     pub pixels_per_point: f32,
+    /// The frame is to be [returned](Shown::capture) too.
+    pub capture: bool,
+}
+
+/// A picture to show.
+pub struct Picture<'a> {
+    /// Its pixels, row by row from the top left: bytes red, green, blue, opacity.
+    pub pixels: Pixels<'a>,
+    /// Pixels across and down.
+    pub size: [u32; 2],
+}
+
+/// Where the pixels of a picture are.
+pub enum Pixels<'a> {
+    /// In the host's memory.
+    Host(&'a [u8]),
+    /// In a device's memory; reaching the canvas is fastest from its own device.
+    Device(&'a Buffer),
+}
+
+/// Part of a canvas, in pixels from its top left.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Area {
+    /// From the left edge.
+    pub left: u32,
+    /// From the top edge.
+    pub top: u32,
+    /// Across.
+    pub width: u32,
+    /// Down.
+    pub height: u32,
+}
+
+/// What became of a frame.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Shown {
+    /// False while there is nothing to draw into, as when the window is minimised, or about to be made anew.
+    pub visible: bool,
+    /// Spent waiting for the display.
+    pub waited: Duration,
+    /// The pixels of the frame, if asked for and if the display lets them be read: bytes red, green, blue, opacity.
+    pub capture: Option<Vec<u8>>,
 }
 
 /// Where frames are drawn: a window, or an image that nobody sees. Both take the same way.
@@ -28,19 +71,21 @@ pub struct Canvas {
     framebuffers: Vec<Framebuffer>,
     target: Target,
     picture: Option<Image>,
+    upload: Option<Buffer>,
     device: Arc<Device>,
 }
 
 enum Target {
     Window { swapchain: Option<Swapchain>, surface: Surface, fits: bool },
     Hidden(Image),
+    Nothing,
 }
 
 impl Canvas {
     /// In a window.
     pub fn for_window(device: &Arc<Device>, surface: Surface, size: [u32; 2]) -> Result<Self, VulkanError> {
         let swapchain = Swapchain::new(device, &surface, size, None)?;
-        let format = swapchain.as_ref().map_or(vk::Format::B8G8R8A8_UNORM, |s| s.format);
+        let format = surface.format(device.physical())?.format;
         Self::new(device, Target::Window { swapchain, surface, fits: true }, format)
     }
 
@@ -52,7 +97,8 @@ impl Canvas {
 
     fn new(device: &Arc<Device>, target: Target, format: vk::Format) -> Result<Self, VulkanError> {
         let panels = Panels::new(device, format)?;
-        let mut canvas = Self { panels, framebuffers: vec![], target, picture: None, device: device.clone() };
+        let mut canvas =
+            Self { panels, framebuffers: vec![], target, picture: None, upload: None, device: device.clone() };
         canvas.make_framebuffers()?;
         Ok(canvas)
     }
@@ -64,6 +110,20 @@ impl Canvas {
                 swapchain.as_ref().map_or([0, 0], |s| [s.extent.width, s.extent.height])
             }
             Target::Hidden(image) => [image.width, image.height],
+            Target::Nothing => [0, 0],
+        }
+    }
+
+    /// Of this size from now on, if it is not yet.
+    pub fn resize_to(&mut self, size: [u32; 2]) -> Result<(), VulkanError> {
+        if size == self.size() { Ok(()) } else { self.resize(size) }
+    }
+
+    /// Gives up its window, of which there can be only one canvas; what was hidden stays.
+    pub fn release(&mut self) {
+        self.framebuffers.clear();
+        if let Target::Window { .. } = self.target {
+            self.target = Target::Nothing;
         }
     }
 
@@ -72,80 +132,145 @@ impl Canvas {
         self.framebuffers.clear();
         match &mut self.target {
             Target::Window { swapchain, surface, fits } => {
-                let new = Swapchain::new(&self.device, surface, size, swapchain.as_ref())?;
-                *swapchain = new;
+                // Until all is made anew.
+                *fits = false;
+                *swapchain = Swapchain::new(&self.device, surface, size, swapchain.as_ref())?;
                 *fits = true;
             }
             Target::Hidden(image) => *image = Image::new(&self.device, size[0].max(1), size[1].max(1))?,
+            Target::Nothing => {}
         }
         self.make_framebuffers()
     }
 
-    /// Draws `pixels` (`picture_size`, 4 bytes each) as large as fits, the panels over it, and shows the result.
-    pub fn show(&mut self, pixels: &Buffer, picture_size: [u32; 2], overlay: Overlay<'_>) -> Result<(), VulkanError> {
-        if matches!(self.target, Target::Window { fits: false, .. }) {
+    /// Draws the picture (`None`: the last one again) over all of `area`, the panels over it, and shows the result.
+    pub fn show(
+        &mut self,
+        picture: Option<Picture<'_>>,
+        area: Area,
+        mut overlay: Overlay<'_>,
+    ) -> Result<Shown, VulkanError> {
+        let unfit = matches!(self.target, Target::Window { fits: false, .. });
+        if unfit {
             self.resize(self.size())?;
         }
-        if self.picture.as_ref().map(|p| [p.width, p.height]) != Some(picture_size) {
-            self.picture = Some(Image::new(&self.device, picture_size[0], picture_size[1])?);
+        if let Some(picture) = picture {
+            self.take(&picture)?;
         }
+        // Even a frame that is not drawn may bring textures, and brings each only once.
         self.panels.update_textures(&self.device, &overlay)?;
-        let drawn = self.draw(pixels, &overlay);
-        self.panels.free_textures(overlay.textures)?;
+        let drawn = self.draw(area, &overlay);
+        self.panels.free_textures(&mut overlay.textures)?;
         drawn
     }
 
-    fn draw(&mut self, pixels: &Buffer, overlay: &Overlay<'_>) -> Result<(), VulkanError> {
-        let (Some(picture), size) = (&self.picture, self.size()) else { return Ok(()) };
+    /// Copies a picture into an image of the canvas' own, from which it can be drawn again and again.
+    fn take(&mut self, picture: &Picture<'_>) -> Result<(), VulkanError> {
+        let [width, height] = picture.size;
+        let image = match self.picture.take() {
+            Some(image) if [image.width, image.height] == picture.size => image,
+            _ => Image::new(&self.device, width, height)?,
+        };
+        let foreign;
+        let bytes = match picture.pixels {
+            Pixels::Device(buffer) if Arc::ptr_eq(&buffer.device, &self.device) => {
+                self.device.run(|passes| passes.fill(&image, buffer))?;
+                self.picture = Some(image);
+                return Ok(());
+            }
+            Pixels::Device(buffer) => {
+                foreign = buffer.read()?;
+                &foreign
+            }
+            Pixels::Host(bytes) => bytes,
+        };
+        let size = u64::from(width) * u64::from(height) * 4;
+        let mut upload = match self.upload.take() {
+            Some(upload) if upload.size() == size => upload,
+            _ => Buffer::new(&self.device, "picture", size, Location::Upload)?,
+        };
+        upload.mapped_mut()[..size as usize].copy_from_slice(&bytes[..size as usize]);
+        let upload = self.upload.insert(upload);
+        self.device.run(|passes| passes.fill(&image, upload))?;
+        self.picture = Some(image);
+        Ok(())
+    }
+
+    fn draw(&mut self, area: Area, overlay: &Overlay<'_>) -> Result<Shown, VulkanError> {
+        let start = Instant::now();
+        let size = self.size();
+        let not_shown = Ok(Shown::default());
+        if self.framebuffers.is_empty() {
+            return not_shown;
+        }
+        let readable = match &self.target {
+            Target::Window { swapchain, .. } => swapchain.as_ref().is_some_and(|s| s.readable),
+            Target::Hidden(_) | Target::Nothing => true,
+        };
+        let bytes = u64::from(size[0]) * u64::from(size[1]) * 4;
+        let capture = (overlay.capture && readable)
+            .then(|| Buffer::new(&self.device, "screenshot", bytes, Location::Readback))
+            .transpose()?;
         let (index, raw, layout, around) = match &mut self.target {
             Target::Window { swapchain: Some(swapchain), fits, .. } => {
-                let Some(index) = swapchain.acquire()? else {
-                    *fits = false;
-                    return Ok(());
+                let index = match swapchain.acquire()? {
+                    Acquired::Image(index) => index,
+                    Acquired::Hidden => return not_shown,
+                    Acquired::Unfit => {
+                        *fits = false;
+                        return not_shown;
+                    }
                 };
                 let around = Around { wait: vec![swapchain.acquired], signal: vec![swapchain.drawn[index]] };
                 (index, swapchain.images[index], vk::ImageLayout::PRESENT_SRC_KHR, around)
             }
-            Target::Window { swapchain: None, .. } => return Ok(()),
+            Target::Window { swapchain: None, .. } | Target::Nothing => return not_shown,
             Target::Hidden(image) => (0, image.raw, vk::ImageLayout::TRANSFER_SRC_OPTIMAL, Around::default()),
         };
+        let mut waited = start.elapsed();
         let extent = vk::Extent2D { width: size[0], height: size[1] };
-        let rectangle = fit([picture.width, picture.height], size);
         let begin = vk::RenderPassBeginInfo::default()
             .render_pass(self.panels.render_pass)
             .framebuffer(self.framebuffers[index].raw)
             .render_area(vk::Rect2D { offset: vk::Offset2D::default(), extent });
         let renderer = &mut self.panels.renderer;
-        self.device.run_around(around, |passes| {
-            passes.fill(picture, pixels);
-            passes.place(picture, raw, rectangle);
-            passes.draw(&begin, |commands| {
-                renderer
-                    .cmd_draw(commands, extent, overlay.pixels_per_point, overlay.primitives)
-                    .map_err(|e| VulkanError::Panels(e.to_string()))
+        let picture = &self.picture;
+        let drawn = self.device.run_around(around, |passes| {
+            passes.blank(raw);
+            if let (Some(picture), Some(rectangle)) = (picture, area.inside(size)) {
+                passes.place(picture, raw, rectangle);
+            }
+            passes.draw(raw, &begin, |commands| {
+                renderer.cmd_draw(commands, extent, overlay.pixels_per_point, overlay.primitives).map_err(panels)
             })?;
+            if let Some(capture) = &capture {
+                passes.capture(raw, size, capture);
+            }
             passes.hand_over(raw, layout);
             Ok(())
-        })?;
-        if let Target::Window { swapchain: Some(swapchain), fits, .. } = &mut self.target {
-            *fits = swapchain.present(index)?;
+        });
+        if let Target::Window { swapchain: Some(swapchain), surface, fits } = &mut self.target {
+            // An image that was taken and not shown makes the swapchain useless.
+            *fits = false;
+            drawn?;
+            let start = Instant::now();
+            *fits = swapchain.present(index, surface)?;
+            waited += start.elapsed();
+        } else {
+            drawn?;
         }
-        Ok(())
-    }
-
-    /// What was last drawn on a hidden canvas: red, green, blue, opacity.
-    pub fn read(&self) -> Result<Option<Vec<u8>>, VulkanError> {
-        let Target::Hidden(image) = &self.target else { return Ok(None) };
-        let size = u64::from(image.width) * u64::from(image.height) * 4;
-        let pixels = Buffer::new(&self.device, "screenshot", size, Location::Readback)?;
-        self.device.run(|passes| passes.copy_image(image, &pixels))?;
-        Ok(Some(pixels.mapped()[..size as usize].to_vec()))
+        let mut capture = capture.map(|pixels| pixels.mapped()[..bytes as usize].to_vec());
+        if self.panels.format == vk::Format::B8G8R8A8_UNORM {
+            let pixels = capture.iter_mut().flat_map(|bytes| bytes.chunks_exact_mut(4));
+            pixels.for_each(|pixel| pixel.swap(0, 2));
+        }
+        Ok(Shown { visible: true, waited, capture })
     }
 
     fn make_framebuffers(&mut self) -> Result<(), VulkanError> {
         let (images, format) = match &self.target {
             Target::Window { swapchain: Some(s), .. } => (s.images.clone(), s.format),
-            Target::Window { swapchain: None, .. } => return Ok(()),
+            Target::Window { swapchain: None, .. } | Target::Nothing => return Ok(()),
             Target::Hidden(image) => (vec![image.raw], FORMAT),
         };
         let size = self.size();
@@ -155,18 +280,19 @@ impl Canvas {
     }
 }
 
-/// `[left, top, right, bottom]` of a picture as large as fits into `size`, centred, its proportions kept.
-fn fit(picture: [u32; 2], size: [u32; 2]) -> [i32; 4] {
-    let scale = (f64::from(size[0]) / f64::from(picture[0])).min(f64::from(size[1]) / f64::from(picture[1]));
-    let inner = [0, 1].map(|i| ((f64::from(picture[i]) * scale).round() as i32).clamp(1, size[i] as i32));
-    let corner = [0, 1].map(|i| (size[i] as i32 - inner[i]) / 2);
-    [corner[0], corner[1], corner[0] + inner[0], corner[1] + inner[1]]
+impl Area {
+    /// `[left, top, right, bottom]` of what is inside a canvas of `size`; `None` if nothing is.
+    fn inside(self, size: [u32; 2]) -> Option<[i32; 4]> {
+        let (right, bottom) = ((self.left + self.width).min(size[0]), (self.top + self.height).min(size[1]));
+        (self.left < right && self.top < bottom).then(|| [self.left, self.top, right, bottom].map(|x| x as i32))
+    }
 }
 
 /// egui's triangles on the GPU.
 struct Panels {
     renderer: Renderer<GpuAllocator>,
     render_pass: vk::RenderPass,
+    format: vk::Format,
     pool: vk::CommandPool,
     device: Arc<Device>,
 }
@@ -198,26 +324,24 @@ impl Panels {
             RenderMode::RenderPass(render_pass),
             Options::default(),
         )
-        .map_err(|e| VulkanError::Panels(e.to_string()))?;
-        Ok(Self { renderer, render_pass, pool, device: device.clone() })
+        .map_err(panels)?;
+        Ok(Self { renderer, render_pass, format, pool, device: device.clone() })
     }
 
     fn update_textures(&mut self, device: &Device, overlay: &Overlay<'_>) -> Result<(), VulkanError> {
         let queue = device.queue.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         for (id, deltas) in &overlay.textures.set {
             for delta in deltas {
-                self.renderer
-                    .set_texture(queue.raw, self.pool, *id, delta)
-                    .map_err(|e| VulkanError::Panels(e.to_string()))?;
+                self.renderer.set_texture(queue.raw, self.pool, *id, delta).map_err(panels)?;
             }
         }
         Ok(())
     }
 
-    fn free_textures(&mut self, mut textures: egui::TexturesDelta) -> Result<(), VulkanError> {
+    fn free_textures(&mut self, textures: &mut egui::TexturesDelta) -> Result<(), VulkanError> {
         textures.set.clear();
         for id in textures.free.drain() {
-            self.renderer.free_texture(id).map_err(|e| VulkanError::Panels(e.to_string()))?;
+            self.renderer.free_texture(id).map_err(panels)?;
         }
         Ok(())
     }
@@ -231,6 +355,14 @@ impl Drop for Panels {
             self.device.raw.destroy_render_pass(self.render_pass, None);
             self.device.raw.destroy_command_pool(self.pool, None);
         }
+    }
+}
+
+/// A device that is lost is no fault of the panels.
+fn panels(error: RendererError) -> VulkanError {
+    match error {
+        RendererError::Vulkan(result) => Err::<(), _>(result).during("drawing the panels").unwrap_err(),
+        other => VulkanError::Panels(other.to_string()),
     }
 }
 

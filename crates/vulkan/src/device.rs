@@ -1,5 +1,6 @@
 use std::ffi::CStr;
 use std::mem::ManuallyDrop;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use ash::{khr, vk};
@@ -14,6 +15,8 @@ pub struct Device {
     pub(crate) physical: PhysicalDevice,
     // Freed by hand in `Drop`, before the device.
     allocator: ManuallyDrop<Arc<Mutex<Allocator>>>,
+    /// Set by [`Device::pretend_lost`].
+    pub(crate) lost: AtomicBool,
     // One submission at a time: the lock is held while it is recorded and waited for.
     pub(crate) queue: Mutex<Queue>,
 }
@@ -71,6 +74,7 @@ impl Device {
                 raw,
                 physical: physical.clone(),
                 allocator: ManuallyDrop::new(Arc::new(Mutex::new(allocator))),
+                lost: AtomicBool::new(false),
                 queue: Mutex::new(queue),
             })),
             Err(error) => {
@@ -89,6 +93,17 @@ impl Device {
     /// Most bytes that a kernel can see of one buffer.
     pub fn max_binding_bytes(&self) -> u64 {
         u64::from(self.physical.limits.max_storage_buffer_range).min(self.physical.max_buffer_size)
+    }
+
+    /// Bytes of memory in use on it, as far as this program goes.
+    pub fn allocated_bytes(&self) -> u64 {
+        self.allocator().generate_report().total_allocated_bytes
+    }
+
+    /// From now on every submission fails as if the driver had reset the device: what follows a loss can be tried out
+    /// on machines that lose none.
+    pub fn pretend_lost(&self) {
+        self.lost.store(true, Ordering::Relaxed);
     }
 
     /// For a library that allocates by itself; to be given back before the device goes.

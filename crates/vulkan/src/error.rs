@@ -43,6 +43,18 @@ pub enum VulkanError {
         /// The most the device takes, in bytes.
         limit: u64,
     },
+    /// An image has more pixels on a side than the device can draw.
+    #[error("{name} can draw {limit} pixels on a side, and a picture of {width}x{height} is larger")]
+    ImageTooLarge {
+        /// Across.
+        width: u32,
+        /// Down.
+        height: u32,
+        /// The device's name.
+        name: String,
+        /// The most pixels on a side.
+        limit: u32,
+    },
     /// Not enough memory.
     #[error("out of memory on the device: {0}")]
     OutOfMemory(String),
@@ -52,6 +64,9 @@ pub enum VulkanError {
     /// The driver reset the device or it went away.
     #[error("the device was lost: the driver reset it, or it went away")]
     DeviceLost,
+    /// The window system took back what was drawn into.
+    #[error("the window can no longer be drawn into")]
+    SurfaceLost,
     /// Any other failure of a Vulkan call.
     #[error("{call} failed: {result}")]
     Call {
@@ -71,6 +86,7 @@ impl<T> During<T> for Result<T, vk::Result> {
     fn during(self, call: &'static str) -> Result<T, VulkanError> {
         self.map_err(|result| match result {
             vk::Result::ERROR_DEVICE_LOST => VulkanError::DeviceLost,
+            vk::Result::ERROR_SURFACE_LOST_KHR => VulkanError::SurfaceLost,
             vk::Result::ERROR_INCOMPATIBLE_DRIVER => VulkanError::NoDriver,
             vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
                 VulkanError::OutOfMemory(call.into())

@@ -39,6 +39,11 @@ pub(crate) struct Image {
 impl Image {
     /// Undefined until filled.
     pub fn new(device: &Arc<Device>, width: u32, height: u32) -> Result<Self, VulkanError> {
+        let limit = device.physical.limits.max_image_dimension2_d;
+        if width.max(height) > limit {
+            let name = device.physical.name.clone();
+            return Err(VulkanError::ImageTooLarge { width, height, name, limit });
+        }
         let usage = vk::ImageUsageFlags::TRANSFER_SRC
             | vk::ImageUsageFlags::TRANSFER_DST
             | vk::ImageUsageFlags::COLOR_ATTACHMENT;

@@ -56,6 +56,8 @@ pub struct PhysicalDevice {
     pub kind: DeviceKind,
     /// Its own memory, in bytes.
     pub memory_bytes: u64,
+    /// It can draw panels, not only compute.
+    pub draws: bool,
     /// What the kernels need and it does not have; usable if empty.
     pub missing: Vec<String>,
 }
@@ -179,8 +181,8 @@ impl Instance {
 
         // One that can draw too, if there is one: a window's panels are drawn on it.
         let able = |flags| queues.iter().position(|q| q.queue_flags.contains(flags));
-        let queue_family =
-            able(vk::QueueFlags::COMPUTE | vk::QueueFlags::GRAPHICS).or_else(|| able(vk::QueueFlags::COMPUTE));
+        let drawing = able(vk::QueueFlags::COMPUTE | vk::QueueFlags::GRAPHICS);
+        let queue_family = drawing.or_else(|| able(vk::QueueFlags::COMPUTE));
         let mut missing = Vec::new();
         if properties.api_version < vk::API_VERSION_1_2 {
             missing.push("Vulkan 1.2".into());
@@ -218,6 +220,7 @@ impl Instance {
                 .filter(|heap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL))
                 .map(|heap| heap.size)
                 .sum(),
+            draws: drawing.is_some(),
             missing,
         }
     }

@@ -16,7 +16,7 @@ mod surface;
 mod transfer;
 
 pub use buffer::{Buffer, Location};
-pub use canvas::{Canvas, Overlay};
+pub use canvas::{Area, Canvas, Overlay, Picture, Pixels, Shown};
 pub use compute::{BindingSet, Module, Pipeline};
 pub use device::Device;
 pub use error::VulkanError;

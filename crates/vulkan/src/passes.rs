@@ -1,5 +1,6 @@
 use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use ash::vk;
@@ -79,6 +80,9 @@ impl Device {
         around: Around,
         record: impl FnOnce(&mut Passes<'a>) -> Result<(), VulkanError>,
     ) -> Result<(), VulkanError> {
+        if self.lost.load(Ordering::Relaxed) {
+            return Err(VulkanError::DeviceLost);
+        }
         let queue = self.queue.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the lock makes this thread the only user of the command buffer, and the last submission was waited
@@ -183,13 +187,20 @@ impl<'a> Passes<'a> {
         self.transition(image.raw, (Kind::Transfer, layout), (Kind::Transfer, source));
     }
 
-    /// Clears `target` and draws `image` into the rectangle `[left, top, right, bottom]` of it, scaled; `target` is then
-    /// ready to be drawn on.
-    pub(crate) fn place(&mut self, image: &'a Image, target: vk::Image, rectangle: [i32; 4]) {
+    /// Makes `target` one dark colour, ready for a picture to be [placed](Self::place) on it.
+    pub(crate) fn blank(&mut self, target: vk::Image) {
         self.begin(Kind::Transfer);
         let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
         self.transition(target, (Kind::Transfer, UNDEFINED), (Kind::Transfer, layout));
         let background = vk::ClearColorValue { float32: [0.09, 0.09, 0.1, 1.0] };
+        // SAFETY: the command buffer is recording, and the image has the layout named.
+        unsafe { self.device.cmd_clear_color_image(self.commands, target, layout, &background, &[COLOR]) };
+        self.transition(target, (Kind::Transfer, layout), (Kind::Transfer, layout));
+    }
+
+    /// Draws `image` into the rectangle `[left, top, right, bottom]` of the blank `target`, scaled.
+    pub(crate) fn place(&mut self, image: &'a Image, target: vk::Image, rectangle: [i32; 4]) {
+        self.begin(Kind::Transfer);
         let [left, top, right, bottom] = rectangle;
         let corner = |x, y, z| vk::Offset3D { x, y, z };
         let region = [vk::ImageBlit::default()
@@ -199,23 +210,20 @@ impl<'a> Passes<'a> {
             .dst_offsets([corner(left, top, 0), corner(right, bottom, 1)])];
         let same_size = (right - left, bottom - top) == (image.width as i32, image.height as i32);
         let filter = if same_size { vk::Filter::NEAREST } else { vk::Filter::LINEAR };
+        let (source, layout) = (vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
         // SAFETY: the command buffer is recording; both images have the layouts named, and the rectangle lies inside.
-        unsafe {
-            self.device.cmd_clear_color_image(self.commands, target, layout, &background, &[COLOR]);
-            self.transition(target, (Kind::Transfer, layout), (Kind::Transfer, layout));
-            let source = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
-            self.device.cmd_blit_image(self.commands, image.raw, source, target, layout, &region, filter);
-        }
-        let drawn = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
-        self.transition(target, (Kind::Transfer, layout), (Kind::Draw, drawn));
+        unsafe { self.device.cmd_blit_image(self.commands, image.raw, source, target, layout, &region, filter) };
     }
 
-    /// Draws on `target` inside a render pass that leaves its layout alone.
+    /// Draws on `target`, which has been made [blank](Self::blank), inside a render pass that leaves its layout alone.
     pub(crate) fn draw(
         &mut self,
+        target: vk::Image,
         begin: &vk::RenderPassBeginInfo<'_>,
         record: impl FnOnce(vk::CommandBuffer) -> Result<(), VulkanError>,
     ) -> Result<(), VulkanError> {
+        let placed = (Kind::Transfer, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
+        self.transition(target, placed, (Kind::Draw, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL));
         self.last = Some(Kind::Draw);
         // SAFETY: the command buffer is recording; render pass and framebuffer are alive until the submission is done.
         unsafe { self.device.cmd_begin_render_pass(self.commands, begin, vk::SubpassContents::INLINE) };
@@ -225,23 +233,24 @@ impl<'a> Passes<'a> {
         Ok(())
     }
 
+    /// Copies `target`, `size` pixels and [drawn](Self::draw) on, to `pixels`.
+    pub(crate) fn capture(&mut self, target: vk::Image, size: [u32; 2], pixels: &'a Buffer) {
+        let drawn = (Kind::Draw, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
+        let source = (Kind::Transfer, vk::ImageLayout::TRANSFER_SRC_OPTIMAL);
+        self.transition(target, drawn, source);
+        self.last = Some(Kind::Transfer);
+        let [width, height] = size;
+        let extent = vk::Extent3D { width, height, depth: 1 };
+        let region = [vk::BufferImageCopy::default().image_subresource(COLOR_LAYER).image_extent(extent)];
+        // SAFETY: the command buffer is recording; the image has the layout named, and the buffer room for its pixels.
+        unsafe { self.device.cmd_copy_image_to_buffer(self.commands, target, source.1, pixels.raw, &region) };
+        self.transition(target, source, drawn);
+    }
+
     /// Leaves `target` as a display wants it, or as a source of copies.
     pub(crate) fn hand_over(&mut self, target: vk::Image, layout: vk::ImageLayout) {
         let drawn = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
         self.transition(target, (Kind::Draw, drawn), (Kind::Transfer, layout));
-    }
-
-    /// Copies `image`, handed over as a source of copies, to `pixels`.
-    pub(crate) fn copy_image(&mut self, image: &'a Image, pixels: &'a Buffer) {
-        self.begin(Kind::Transfer);
-        let region = [vk::BufferImageCopy::default().image_subresource(COLOR_LAYER).image_extent(vk::Extent3D {
-            width: image.width,
-            height: image.height,
-            depth: 1,
-        })];
-        let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
-        // SAFETY: as in `fill`.
-        unsafe { self.device.cmd_copy_image_to_buffer(self.commands, image.raw, layout, pixels.raw, &region) };
     }
 
     fn transition(&self, image: vk::Image, from: (Kind, vk::ImageLayout), to: (Kind, vk::ImageLayout)) {

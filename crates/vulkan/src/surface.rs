@@ -1,12 +1,13 @@
 use std::any::Any;
 use std::sync::Arc;
+use std::time::Duration;
 
 use ash::{khr, vk};
 use raw_window_handle::{HasDisplayHandle, HasWindowHandle};
 
 use crate::device::Device;
 use crate::error::{During, VulkanError};
-use crate::instance::Instance;
+use crate::instance::{Instance, PhysicalDevice};
 
 /// A window to draw into.
 pub struct Surface {
@@ -32,9 +33,22 @@ impl Surface {
         Ok(Self { raw, loader, instance: instance.clone(), _window: window.clone() })
     }
 
-    /// Whether `device` can show its pictures here.
-    pub fn shows(&self, device: &Device) -> bool {
-        let physical = &device.physical;
+    /// How its images hold colours.
+    pub(crate) fn format(&self, physical: &PhysicalDevice) -> Result<vk::SurfaceFormatKHR, VulkanError> {
+        // SAFETY: device and surface come from one instance.
+        let formats = unsafe { self.loader.get_physical_device_surface_formats(physical.handle, self.raw) }
+            .during("vkGetPhysicalDeviceSurfaceFormatsKHR")?;
+        choose_format(&formats).ok_or(VulkanError::NoWindows)
+    }
+
+    fn capabilities(&self, physical: &PhysicalDevice) -> Result<vk::SurfaceCapabilitiesKHR, VulkanError> {
+        // SAFETY: device and surface come from one instance.
+        unsafe { self.loader.get_physical_device_surface_capabilities(physical.handle, self.raw) }
+            .during("vkGetPhysicalDeviceSurfaceCapabilitiesKHR")
+    }
+
+    /// Whether `physical` can show its pictures here.
+    pub fn shows(&self, physical: &PhysicalDevice) -> bool {
         // SAFETY: device and surface come from one instance.
         unsafe { self.loader.get_physical_device_surface_support(physical.handle, physical.queue_family, self.raw) }
             .unwrap_or(false)
@@ -48,6 +62,19 @@ impl Drop for Surface {
     }
 }
 
+/// Where a window is not seen, some systems take no images; the program is not to wait for that to change.
+const PATIENCE: Duration = Duration::from_millis(200);
+
+/// What asking for an image to draw into gave.
+pub(crate) enum Acquired {
+    /// Its place among the swapchain's images.
+    Image(usize),
+    /// The window is not seen at the moment.
+    Hidden,
+    /// The swapchain no longer fits its window.
+    Unfit,
+}
+
 /// The images that a window shows in turn.
 pub(crate) struct Swapchain {
     raw: vk::SwapchainKHR,
@@ -55,6 +82,8 @@ pub(crate) struct Swapchain {
     pub images: Vec<vk::Image>,
     pub format: vk::Format,
     pub extent: vk::Extent2D,
+    /// Images can be copied from.
+    pub readable: bool,
     /// Signalled when an image may be drawn into.
     pub acquired: vk::Semaphore,
     /// Signalled when an image may be shown, one for each.
@@ -71,20 +100,8 @@ impl Swapchain {
         wanted: [u32; 2],
         old: Option<&Self>,
     ) -> Result<Option<Self>, VulkanError> {
-        let physical = device.physical.handle;
-        // SAFETY: device and surface come from one instance.
-        let (capabilities, formats) = unsafe {
-            (
-                surface
-                    .loader
-                    .get_physical_device_surface_capabilities(physical, surface.raw)
-                    .during("vkGetPhysicalDeviceSurfaceCapabilitiesKHR")?,
-                surface
-                    .loader
-                    .get_physical_device_surface_formats(physical, surface.raw)
-                    .during("vkGetPhysicalDeviceSurfaceFormatsKHR")?,
-            )
-        };
+        let capabilities = surface.capabilities(&device.physical)?;
+        let format = surface.format(&device.physical)?;
         let (least, most) = (capabilities.min_image_extent, capabilities.max_image_extent);
         let extent = match capabilities.current_extent {
             vk::Extent2D { width: u32::MAX, .. } => vk::Extent2D {
@@ -96,8 +113,12 @@ impl Swapchain {
         if extent.width == 0 || extent.height == 0 {
             return Ok(None);
         }
-        let format = choose_format(&formats).ok_or(VulkanError::NoWindows)?;
         let at_most = if capabilities.max_image_count == 0 { u32::MAX } else { capabilities.max_image_count };
+        let readable = capabilities.supported_usage_flags.contains(vk::ImageUsageFlags::TRANSFER_SRC);
+        let mut usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST;
+        if readable {
+            usage |= vk::ImageUsageFlags::TRANSFER_SRC;
+        }
         let info = vk::SwapchainCreateInfoKHR::default()
             .surface(surface.raw)
             .min_image_count((capabilities.min_image_count + 1).min(at_most))
@@ -105,7 +126,7 @@ impl Swapchain {
             .image_color_space(format.color_space)
             .image_extent(extent)
             .image_array_layers(1)
-            .image_usage(vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST)
+            .image_usage(usage)
             .pre_transform(capabilities.current_transform)
             .composite_alpha(vk::CompositeAlphaFlagsKHR::OPAQUE)
             .present_mode(vk::PresentModeKHR::FIFO)
@@ -121,29 +142,36 @@ impl Swapchain {
             let acquired = semaphore()?;
             let drawn = images.iter().map(|_| semaphore()).collect::<Result<_, _>>()?;
             let format = format.format;
-            Ok(Some(Self { raw, loader, images, format, extent, acquired, drawn, device: device.clone() }))
+            Ok(Some(Self { raw, loader, images, format, extent, readable, acquired, drawn, device: device.clone() }))
         }
     }
 
-    /// The next image to draw into; `None` if the swapchain no longer fits its window.
-    pub fn acquire(&self) -> Result<Option<usize>, VulkanError> {
+    /// The next image to draw into.
+    pub fn acquire(&self) -> Result<Acquired, VulkanError> {
         // SAFETY: the semaphore is not in use: the last submission that waited for it has been waited for.
-        let acquired = unsafe { self.loader.acquire_next_image(self.raw, u64::MAX, self.acquired, vk::Fence::null()) };
+        let patience = PATIENCE.as_nanos() as u64;
+        let acquired = unsafe { self.loader.acquire_next_image(self.raw, patience, self.acquired, vk::Fence::null()) };
         match acquired {
-            Ok((index, _)) => Ok(Some(index as usize)),
-            Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => Ok(None),
+            Ok((index, _)) => Ok(Acquired::Image(index as usize)),
+            Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => Ok(Acquired::Unfit),
+            Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => Ok(Acquired::Hidden),
             Err(result) => Err(result).during("vkAcquireNextImageKHR"),
         }
     }
 
     /// Shows an image; false if the swapchain no longer fits its window.
-    pub fn present(&self, index: usize) -> Result<bool, VulkanError> {
+    pub fn present(&self, index: usize, surface: &Surface) -> Result<bool, VulkanError> {
         let queue = self.device.queue.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let (swapchains, indices, wait) = ([self.raw], [index as u32], [self.drawn[index]]);
         let info = vk::PresentInfoKHR::default().swapchains(&swapchains).image_indices(&indices).wait_semaphores(&wait);
         // SAFETY: the image was acquired and handed over for presentation; the lock makes the queue ours.
         match unsafe { self.loader.queue_present(queue.raw, &info) } {
-            Ok(suboptimal) => Ok(!suboptimal),
+            Ok(false) => Ok(true),
+            // Some windows are never quite right; only another size is worth another swapchain.
+            Ok(true) => {
+                let extent = surface.capabilities(&self.device.physical)?.current_extent;
+                Ok(extent == self.extent || extent.width == u32::MAX)
+            }
             Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => Ok(false),
             Err(result) => Err(result).during("vkQueuePresentKHR"),
         }
