@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 use raggio_kernels::{FilmPixel, FixedSum};
-use raggio_render::{Device, DeviceScene, Film};
+use raggio_render::{Device, DeviceScene, Display, Film, Pixels, Session};
 use raggio_scene::Scene;
 
 /// A scene from its TOML text; the version line is added.
@@ -19,10 +19,24 @@ pub fn render(device: &dyn Device, scene: &Scene, samples: u32) -> Film {
 
 /// These samples of each pixel.
 pub fn render_range(device: &dyn Device, scene: &Scene, samples: Range<u32>) -> Film {
-    let device_scene = DeviceScene::new(scene).expect("the scene fits devices");
-    let mut session = device.load(&device_scene).expect("the scene loads");
+    let mut session = load(device, scene);
     session.add_samples(0..scene.render.height, samples).expect("the device renders");
     session.film().expect("the film can be read")
+}
+
+/// The scene, loaded.
+pub fn load(device: &dyn Device, scene: &Scene) -> Box<dyn Session> {
+    let device_scene = DeviceScene::new(scene).expect("the scene fits devices");
+    device.load(&device_scene).expect("the scene loads")
+}
+
+/// The film that is shown as displayable pixels: red, green, blue.
+pub fn displayed(session: &mut dyn Session, display: Display) -> Vec<[u8; 3]> {
+    let bytes: Vec<u8> = match session.display(display).expect("the film is displayed") {
+        Pixels::Host(pixels) => pixels.into_iter().flat_map(u32::to_le_bytes).collect(),
+        Pixels::Device(buffer) => buffer.read().expect("the pixels can be read"),
+    };
+    bytes.chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
 }
 
 /// A mean radiance and how far it may be from the truth.

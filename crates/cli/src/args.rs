@@ -140,8 +140,14 @@ pub enum Integrator {
 pub enum ToneMapperName {
     /// Khronos PBR Neutral: colours stay what they are, highlights roll off
     Neutral,
+    /// AgX, the default of Blender: bright colours fade to white as on film
+    Agx,
     /// The film-like curve of ACES
     Aces,
+    /// Hable's film curve of Uncharted 2
+    Filmic,
+    /// Reinhard's curve of luminance, with 4 as white
+    Reinhard,
     /// Cut off at 1
     None,
 }
@@ -150,7 +156,10 @@ impl From<ToneMapperName> for ToneMapper {
     fn from(name: ToneMapperName) -> Self {
         match name {
             ToneMapperName::Neutral => Self::Neutral,
+            ToneMapperName::Agx => Self::Agx,
             ToneMapperName::Aces => Self::Aces,
+            ToneMapperName::Filmic => Self::Filmic,
+            ToneMapperName::Reinhard => Self::Reinhard,
             ToneMapperName::None => Self::None,
         }
     }

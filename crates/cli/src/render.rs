@@ -25,7 +25,8 @@ pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
     } else {
         arguments.output.clone()
     };
-    let display = Display { exposure: arguments.exposure, tone_mapper: arguments.tone_mapper.into() };
+    let display =
+        Display { exposure: arguments.exposure, tone_mapper: arguments.tone_mapper.into(), ..Display::default() };
     let job = Job {
         outputs: &outputs,
         display,

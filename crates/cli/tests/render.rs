@@ -146,6 +146,19 @@ fn exposure_brightens_the_png_alone() {
 }
 
 #[test]
+fn each_tone_mapper_is_another_picture_of_the_same_film() {
+    let folder = folder_with(SCENE);
+    let mut pictures = vec![];
+    for mapper in ["neutral", "agx", "aces", "filmic", "reinhard", "none"] {
+        let arguments = ["render", "scene.toml", "--device", "cpu", "--tone-mapper", mapper, "-o", "a.png"];
+        assert!(raggio(folder.path(), &arguments).status.success(), "{mapper}");
+        let picture = std::fs::read(folder.path().join("a.png")).expect("a file");
+        assert!(!pictures.contains(&picture), "{mapper} is one of the others");
+        pictures.push(picture);
+    }
+}
+
+#[test]
 fn progress_is_plain_lines_where_there_is_no_terminal() {
     let folder = folder_with(SCENE);
     let output = raggio(folder.path(), &["render", "scene.toml", "--device", "cpu"]);

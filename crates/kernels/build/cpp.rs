@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::ENTRY_POINTS;
 use crate::slang::Modules;
+use crate::slangc::ENTRY_POINTS;
 
 /// Name in Rust, suffix of symbols, compiler flag; the most capable first.
 fn levels() -> &'static [(&'static str, &'static str, Option<&'static str>)] {

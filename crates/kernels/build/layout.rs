@@ -32,7 +32,10 @@ pub fn generate(modules: &Modules, out: &Path) -> Result<(), String> {
     text += &index_checks(&scene_cpp, &declarations)?;
     text += &places(&cpp, &spirv, &scene_cpp, &scene_spirv)?;
     text += &enumerations_and_constants(&declarations);
-    std::fs::write(out.join("layout.rs"), text).map_err(|e| format!("cannot write the layouts: {e}"))
+    // Kernels that are compiled later are compared with these: `raggio_kernels::compile`.
+    std::fs::write(out.join("declarations.txt"), declarations.text())
+        .and_then(|()| std::fs::write(out.join("layout.rs"), text))
+        .map_err(|e| format!("cannot write the layouts: {e}"))
 }
 
 fn parameters(path: &Path) -> Result<Vec<Value>, String> {
@@ -172,7 +175,8 @@ fn index_checks(buffers: &[Buffer], declarations: &Declarations) -> Result<Strin
         }
     }
     text += "        all.into_iter().max()\n    }\n\n    /// How many shapes there are of a kind; none of an unknown kind.\n    pub(crate) fn shapes_of_kind(&self, kind: u32) -> usize {\n        match kind {\n";
-    for kind in declarations.variants("ShapeKind")? {
+    let kinds = declarations.enumerations.iter().find(|enumeration| enumeration.name == "ShapeKind");
+    for kind in names(kinds.ok_or("the kernels have no `enum ShapeKind : uint`")?) {
         let buffer = buffers.iter().find(|buffer| buffer.element["name"] == kind);
         let name = &buffer.ok_or(format!("no buffer of the scene holds shapes of kind {kind}"))?.name;
         let _ = writeln!(text, "            k if k == ShapeKind::{kind} as u32 => self.{name}.len(),");
@@ -227,17 +231,30 @@ fn places(cpp: &[Value], spirv: &[Value], scene_cpp: &[Buffer], scene_spirv: &[B
 /// Rust twins of what the reflection leaves out.
 fn enumerations_and_constants(declarations: &Declarations) -> String {
     let mut text = String::new();
-    for Enumeration { name, variants } in &declarations.enumerations {
+    for enumeration in &declarations.enumerations {
+        let Enumeration { name, variants } = enumeration;
         let _ = writeln!(
             text,
             "/// `{name}` of the kernels.\n#[repr(u32)]\n#[derive(Clone, Copy, Debug, PartialEq, Eq)]\npub enum {name} {{\n    {}\n}}",
             variants.join("\n    ")
+        );
+        let names: Vec<_> = names(enumeration).map(|variant| format!("Self::{variant}")).collect();
+        let _ = writeln!(
+            text,
+            "impl {name} {{\n    /// All there are, in order.\n    pub const ALL: [Self; {}] = [{}];\n}}",
+            names.len(),
+            names.join(", ")
         );
     }
     for (name, value) in &declarations.constants {
         let _ = writeln!(text, "/// `{name}` of the kernels.\npub const {name}: u32 = {value};");
     }
     text
+}
+
+/// The names of an enumeration's variants.
+fn names(enumeration: &Enumeration) -> impl Iterator<Item = &str> {
+    enumeration.values().filter_map(|line| Some(line.split_once(" = ")?.0))
 }
 
 fn snake(name: &str) -> String {

@@ -1,19 +1,20 @@
 //! Kernels in Slang -> SPIR-V, machine code for the CPU, and the Rust twins of their structures.
 
 mod cpp;
+#[path = "../src/compile/declarations.rs"]
 mod declarations;
 mod layout;
 mod slang;
+#[path = "../src/compile/slangc.rs"]
+mod slangc;
 
 use std::path::{Path, PathBuf};
-
-/// Every entry point is a file of its name in `kernels/entry/`.
-const ENTRY_POINTS: [&str; 3] = ["render", "display", "probe"];
 
 fn main() {
     let out = PathBuf::from(std::env::var("OUT_DIR").expect("cargo sets OUT_DIR"));
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     println!("cargo:rerun-if-changed=build");
+    println!("cargo:rerun-if-changed=src/compile");
 
     let outcome = slang::compile(&workspace, &out).and_then(|modules| {
         layout::generate(&modules, &out)?;

@@ -1,12 +1,8 @@
-//! Runs `slangc`.
+//! Compiles the kernels, and tells cargo of them.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
-use crate::ENTRY_POINTS;
-
-/// The version that the kernels are tested with; layouts and generated C++ depend on it.
-const VERSION: &str = "2026.14.1";
+use crate::slangc;
 
 /// What the two runs of the compiler left behind.
 pub struct Modules {
@@ -17,106 +13,23 @@ pub struct Modules {
 }
 
 pub fn compile(workspace: &Path, out: &Path) -> Result<Modules, String> {
-    let slangc = find(workspace)?;
-    let kernels = workspace.join("kernels");
-    let modules = Modules {
-        kernels: kernels.clone(),
-        cpp: out.join("kernels.generated.cpp"),
-        cpp_reflection: out.join("cpp.json"),
-        spirv_reflection: out.join("spirv.json"),
-    };
-
-    let run = |target: &[&str], output: &Path, reflection: &Path| -> Result<(), String> {
-        let depfile = output.with_extension("d");
-        let mut command = Command::new(&slangc);
-        for entry in ENTRY_POINTS {
-            command.arg(kernels.join(format!("entry/{entry}.slang")));
-        }
-        command.arg("-I").arg(&kernels);
-        // C layout and rows first: then SPIR-V, C++ and Rust's repr(C) agree.
-        command.args(["-fvk-use-c-layout", "-matrix-layout-row-major"]);
-        // 41035 warns of arrays that are filled as they are used, such as the traversal's stack.
-        command.args(["-line-directive-mode", "none", "-warnings-disable", "41035"]);
-        command.args(target).arg("-o").arg(output);
-        command.arg("-reflection-json").arg(reflection).arg("-depfile").arg(&depfile);
-        let result = command.output().map_err(|e| format!("cannot run {}: {e}", slangc.display()))?;
-        let messages = String::from_utf8_lossy(&result.stderr);
-        if !result.status.success() {
-            return Err(format!("slangc failed:\n{messages}"));
-        }
-        for line in messages.lines().filter(|line| line.starts_with("warning")) {
-            println!("cargo::warning={line}");
-        }
-        watch(&depfile)
-    };
-    run(&["-target", "cpp"], &modules.cpp, &modules.cpp_reflection)?;
-    run(&["-target", "spirv", "-O0", "-fvk-use-entrypoint-name"], &out.join("kernels.spv"), &modules.spirv_reflection)?;
-    drop_source_language(&out.join("kernels.spv"))?;
-    Ok(modules)
-}
-
-/// Removes OpSource, a note on the source language: validation layers older than Slang take its number for an error.
-fn drop_source_language(path: &Path) -> Result<(), String> {
-    const HEADER_WORDS: usize = 5;
-    const OP_SOURCE: u32 = 3;
-    let failed = |e: std::io::Error| format!("cannot rewrite {}: {e}", path.display());
-    let bytes = std::fs::read(path).map_err(failed)?;
-    let words: Vec<u32> = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-
-    let mut kept = words.get(..HEADER_WORDS).ok_or("slangc's SPIR-V has no header")?.to_vec();
-    let mut rest = &words[HEADER_WORDS..];
-    while let Some(&first) = rest.first() {
-        // An instruction's length in words and its opcode share its first word.
-        let (length, opcode) = (first as usize >> 16, first & 0xffff);
-        let instruction = rest.get(..length.max(1)).ok_or("slangc's SPIR-V is cut short")?;
-        if opcode != OP_SOURCE {
-            kept.extend_from_slice(instruction);
-        }
-        rest = &rest[length.max(1)..];
-    }
-    let bytes: Vec<u8> = kept.into_iter().flat_map(u32::to_le_bytes).collect();
-    std::fs::write(path, bytes).map_err(failed)
-}
-
-/// `$SLANGC`, what `make setup` installed, `PATH`, the Vulkan SDK: the first there is.
-fn find(workspace: &Path) -> Result<PathBuf, String> {
     for variable in ["SLANGC", "VULKAN_SDK"] {
         println!("cargo:rerun-if-env-changed={variable}");
     }
-    if let Some(path) = std::env::var_os("SLANGC").filter(|v| !v.is_empty()) {
-        let path = PathBuf::from(path);
-        return version(&path).map(|_| path).ok_or_else(|| {
-            "$SLANGC does not name a slangc that runs: correct it, or unset it and run `make setup`".into()
-        });
+    let slangc = slangc::find(workspace, |warning| println!("cargo::warning={warning}"))?;
+    let kernels = workspace.join("kernels");
+    let (cpp, spirv) = (out.join("kernels.generated.cpp"), out.join("kernels.spv"));
+    let messages = [
+        slangc::compile(&slangc, &kernels, &["-target", "cpp"], &cpp)?,
+        slangc::compile_spirv(&slangc, &kernels, &spirv)?,
+    ];
+    for line in messages.iter().flat_map(|text| text.lines()).filter(|line| line.starts_with("warning")) {
+        println!("cargo::warning={line}");
     }
-
-    let mut candidates = vec![workspace.join(".venv/bin/slangc")];
-    if let Some(path) = std::env::var_os("PATH") {
-        candidates.extend(std::env::split_paths(&path).map(|folder| folder.join("slangc")));
-    }
-    if let Some(sdk) = std::env::var_os("VULKAN_SDK") {
-        candidates.push(PathBuf::from(sdk).join("bin/slangc"));
-    }
-    let found: Vec<_> = candidates
-        .into_iter()
-        .filter(|path| path.is_file())
-        .filter_map(|path| version(&path).map(|version| (path, version)))
-        .collect();
-    if let Some((path, _)) = found.iter().find(|(_, version)| version == VERSION) {
-        return Ok(path.clone());
-    }
-    let (path, version) = found.into_iter().next().ok_or(format!(
-        "slangc, the compiler of the kernels, is missing: run `make setup`, or install the Vulkan SDK or Slang {VERSION} and put slangc on PATH or into $SLANGC"
-    ))?;
-    println!("cargo::warning=slangc {version} is not the tested {VERSION}; `make setup` installs that one into .venv");
-    Ok(path)
-}
-
-fn version(slangc: &Path) -> Option<String> {
-    let output = Command::new(slangc).arg("-v").output().ok()?;
-    // Some versions print it on standard error.
-    let text = [output.stdout, output.stderr].concat();
-    Some(String::from_utf8_lossy(&text).trim().trim_start_matches('v').to_owned())
+    watch(&cpp.with_extension("d"))?;
+    watch(&spirv.with_extension("d"))?;
+    let (cpp_reflection, spirv_reflection) = (cpp.with_extension("json"), spirv.with_extension("json"));
+    Ok(Modules { kernels, cpp, cpp_reflection, spirv_reflection })
 }
 
 /// Tells cargo which files the compiler read.

@@ -3,8 +3,8 @@
 #![allow(unsafe_code)] // The call itself; all that it relies on is checked here.
 
 use crate::{
-    BrokenScene, EntryPoint, FILM_WORD, FilmPixel, INPUT_WORD, OUTPUT_WORD, SCENE_WORD, SCENE_WORDS, SceneBuffers,
-    SceneCounts, WORK_WORD, Work,
+    BrokenScene, Comparison, EntryPoint, FILM_WORD, FilmPixel, INPUT_WORD, OUTPUT_WORD, SCENE_WORD, SCENE_WORDS,
+    SceneBuffers, SceneCounts, WORK_WORD, Work,
 };
 
 /// Levels of instruction set that kernels are compiled for; all give the same bits.
@@ -124,7 +124,7 @@ pub struct Buffers<'a> {
     pub film: &'a mut [FilmPixel],
     /// Displayable pixels, or answers.
     pub output: &'a mut [u32],
-    /// Questions.
+    /// Questions, or the reference image.
     pub input: &'a [[f32; 4]],
 }
 
@@ -138,10 +138,11 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
     let first = work.first_row.checked_sub(work.band_row).expect("the work begins inside its band");
     let pixels = work.width as usize * (first as usize + work.rows as usize);
     let large_enough = match entry {
-        EntryPoint::Render => buffers.film.len() >= pixels,
+        EntryPoint::Render | EntryPoint::Inspect => buffers.film.len() >= pixels,
         EntryPoint::Display => {
-            let last = work.first_row as usize + work.rows as usize;
-            buffers.film.len() >= pixels && buffers.output.len() >= work.width as usize * last
+            let image = work.width as usize * (work.first_row as usize + work.rows as usize);
+            let referred = work.comparison == Comparison::Off as u32 || buffers.input.len() >= image;
+            buffers.film.len() >= pixels && buffers.output.len() >= image && referred
         }
         EntryPoint::Probe => {
             let count = work.count as usize;

@@ -2,8 +2,11 @@
 //!
 //! Everything that runs per ray is written in Slang, in `kernels/`; this crate's build script compiles it.
 
+pub mod compile;
 pub mod cpu;
+mod film;
 mod layout;
+mod view;
 
 pub use layout::*;
 
@@ -20,6 +23,8 @@ pub const PROBE_GROUP: u32 = 64;
 pub enum EntryPoint {
     /// Adds samples to the film.
     Render,
+    /// Adds samples of what the camera's rays meet first.
+    Inspect,
     /// Turns the film into displayable pixels.
     Display,
     /// Evaluates a single function for many arguments.
@@ -27,10 +32,16 @@ pub enum EntryPoint {
 }
 
 impl EntryPoint {
+    /// The one that adds samples to the film of `feature`.
+    pub fn sampling(feature: Feature) -> Self {
+        if feature == Feature::Radiance { Self::Render } else { Self::Inspect }
+    }
+
     /// Its name in the SPIR-V module.
     pub fn name(self) -> &'static str {
         match self {
             Self::Render => "render",
+            Self::Inspect => "inspect",
             Self::Display => "display",
             Self::Probe => "probe",
         }
@@ -39,7 +50,9 @@ impl EntryPoint {
     /// Workgroups that cover the work, in x, y, z.
     pub fn groups(self, work: &Work) -> [u32; 3] {
         match self {
-            Self::Render | Self::Display => [work.width.div_ceil(IMAGE_GROUP), work.rows.div_ceil(IMAGE_GROUP), 1],
+            Self::Render | Self::Inspect | Self::Display => {
+                [work.width.div_ceil(IMAGE_GROUP), work.rows.div_ceil(IMAGE_GROUP), 1]
+            }
             Self::Probe => [work.count.div_ceil(PROBE_GROUP), 1, 1],
         }
     }

@@ -2,8 +2,9 @@
 
 use std::fmt;
 use std::str::FromStr;
+use std::sync::Arc;
 
-use raggio_vulkan::{DeviceKind, Instance, VulkanError};
+use raggio_vulkan::{DeviceKind, Instance, PhysicalDevice, VulkanError};
 
 use crate::cpu::{CpuDevice, CpuOptions};
 use crate::device::{Device, DeviceError, DeviceInfo};
@@ -69,20 +70,31 @@ pub fn devices() -> (Vec<DeviceInfo>, Option<DeviceError>) {
 }
 
 /// How devices are opened.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct OpenOptions {
     /// How the CPU is used.
     pub cpu: CpuOptions,
     /// Turns Vulkan's validation layers on.
     pub validate: bool,
+    /// A connection to Vulkan that exists already, such as a window's; it has its own validation.
+    pub instance: Option<Arc<Instance>>,
+}
+
+impl OpenOptions {
+    fn physical_devices(&self) -> Result<Vec<PhysicalDevice>, VulkanError> {
+        match &self.instance {
+            Some(instance) => instance.devices(),
+            None => Instance::new(self.validate)?.devices(),
+        }
+    }
 }
 
 /// Opens the device that `choice` asks for. `warn` hears why `auto` passes over a GPU.
 pub fn open(choice: DeviceChoice, options: OpenOptions, warn: impl Fn(&str)) -> Result<Box<dyn Device>, DeviceError> {
     let gpu = match choice {
         DeviceChoice::Cpu => None,
-        DeviceChoice::Vulkan(number) => Some(open_vulkan(number, options.validate)?),
-        DeviceChoice::Auto => open_gpu(options.validate, warn)?,
+        DeviceChoice::Vulkan(number) => Some(open_vulkan(number, &options)?),
+        DeviceChoice::Auto => open_gpu(&options, warn)?,
     };
     match gpu {
         Some(gpu) => Ok(Box::new(gpu)),
@@ -92,8 +104,8 @@ pub fn open(choice: DeviceChoice, options: OpenOptions, warn: impl Fn(&str)) -> 
 
 /// The first usable GPU, by kind; software devices are left to those who ask for them. No Vulkan is no error here, but
 /// validation that was asked for and cannot be had is.
-fn open_gpu(validate: bool, warn: impl Fn(&str)) -> Result<Option<VulkanDevice>, DeviceError> {
-    let physical = match Instance::new(validate).and_then(|instance| instance.devices()) {
+fn open_gpu(options: &OpenOptions, warn: impl Fn(&str)) -> Result<Option<VulkanDevice>, DeviceError> {
+    let physical = match options.physical_devices() {
         Err(error @ VulkanError::NoValidationLayers) => return Err(error.into()),
         other => other.unwrap_or_default(),
     };
@@ -108,8 +120,8 @@ fn open_gpu(validate: bool, warn: impl Fn(&str)) -> Result<Option<VulkanDevice>,
     Ok(None)
 }
 
-fn open_vulkan(number: Option<usize>, validate: bool) -> Result<VulkanDevice, DeviceError> {
-    let physical = Instance::new(validate)?.devices()?;
+fn open_vulkan(number: Option<usize>, options: &OpenOptions) -> Result<VulkanDevice, DeviceError> {
+    let physical = options.physical_devices()?;
     let chosen = match number {
         Some(n) => physical.get(n),
         None => physical.iter().filter(|p| p.missing.is_empty()).min_by_key(|p| match p.kind {

@@ -4,14 +4,16 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use raggio_kernels::cpu::{Buffers, CpuScene, InstructionSet, dispatch};
-use raggio_kernels::{EntryPoint, FilmPixel, Probe, Work};
+use raggio_kernels::{EntryPoint, Feature, FilmPixel, Probe, Work};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
 use crate::device::{Answer, Change, Device, DeviceError, DeviceInfo, Pixels, Question, Session};
 use crate::device_scene::DeviceScene;
-use crate::display::{Display, display_rows};
+use crate::display::{Display, display_rows, reference_pixels};
 use crate::film::Film;
+use crate::films::Films;
+use crate::linear_image::Image;
 use crate::machine::{cores, processor_name, total_memory_bytes};
 
 /// How the CPU is used. No choice changes the picture.
@@ -86,7 +88,8 @@ impl Device for CpuDevice {
             workers: self.workers.clone(),
             scene: CpuScene::new(scene.buffers.clone())?,
             work: scene.work,
-            film: Film::new(scene.work.width, scene.work.height),
+            films: Films::new(Film::new(scene.work.width, scene.work.height)),
+            reference: vec![],
         }))
     }
 }
@@ -95,14 +98,21 @@ struct CpuSession {
     workers: Arc<Workers>,
     scene: CpuScene,
     work: Work,
-    film: Film,
+    films: Films<Film>,
+    /// As large as a film, or empty.
+    reference: Vec<[f32; 4]>,
 }
 
 impl Session for CpuSession {
+    fn show(&mut self, feature: Feature) -> Result<(), DeviceError> {
+        self.films.show(feature, || Ok(Film::new(self.work.width, self.work.height)))
+    }
+
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
-        let Self { workers, scene, work, film } = self;
+        let Self { workers, scene, work, films, .. } = self;
+        let feature = films.feature();
         let width = work.width as usize;
-        let band = &mut film.pixels_mut()[rows.start as usize * width..rows.end as usize * width];
+        let band = &mut films.shown_mut().pixels_mut()[rows.start as usize * width..rows.end as usize * width];
         let tile_rows = workers.tile_rows;
         workers.pool.install(|| {
             band.par_chunks_mut(width * tile_rows as usize).enumerate().for_each(|(i, tile)| {
@@ -113,10 +123,11 @@ impl Session for CpuSession {
                     rows: (tile.len() / width) as u32,
                     first_sample: samples.start,
                     samples: samples.len() as u32,
+                    feature: feature as u32,
                     ..*work
                 };
                 let buffers = Buffers { film: tile, ..Buffers::default() };
-                dispatch(workers.set, EntryPoint::Render, Some(scene), &work, buffers);
+                dispatch(workers.set, EntryPoint::sampling(feature), Some(scene), &work, buffers);
             });
         });
         Ok(())
@@ -127,28 +138,41 @@ impl Session for CpuSession {
             Change::View => self.scene.set_view(&scene.buffers)?,
             Change::Scene => self.scene = CpuScene::new(scene.buffers.clone())?,
         }
+        if (self.work.width, self.work.height) != (scene.work.width, scene.work.height) {
+            self.reference = vec![];
+        }
         self.work = scene.work;
-        self.film = Film::new(scene.work.width, scene.work.height);
+        self.films.renew(|| Ok(Film::new(scene.work.width, scene.work.height)))
+    }
+
+    fn set_reference(&mut self, reference: Option<&Image>) -> Result<(), DeviceError> {
+        let Work { width, height, .. } = self.work;
+        self.reference = reference.map(|image| reference_pixels(image, width, height)).unwrap_or_default();
         Ok(())
     }
 
     fn display(&mut self, display: Display) -> Result<Pixels, DeviceError> {
-        let Self { workers, work, film, .. } = self;
+        let Self { workers, work, films, reference, .. } = self;
+        let film = films.shown_mut().pixels_mut();
         let tile = (work.width * workers.tile_rows) as usize;
-        let mut pixels = vec![0; film.pixels().len()];
+        let mut pixels = vec![0; film.len()];
         workers.pool.install(|| {
-            let tiles = film.pixels_mut().par_chunks_mut(tile).zip(pixels.par_chunks_mut(tile));
-            tiles.for_each(|(film, pixels)| display_rows(film, work.width, display, workers.set, pixels));
+            let tiles = film.par_chunks_mut(tile).zip(pixels.par_chunks_mut(tile)).enumerate();
+            tiles.for_each(|(i, (film, pixels))| {
+                let reference = reference.chunks(tile).nth(i).unwrap_or_default();
+                display_rows(film, reference, work.width, display, workers.set, pixels);
+            });
         });
         Ok(Pixels::Host(pixels))
     }
 
-    fn pixel(&self, x: u32, y: u32) -> Result<FilmPixel, DeviceError> {
-        Ok(self.film.pixels()[(y * self.work.width + x) as usize])
+    fn pixels(&self, columns: Range<u32>, y: u32) -> Result<Vec<FilmPixel>, DeviceError> {
+        let place = |x: u32| (y * self.work.width + x) as usize;
+        Ok(self.films.shown().pixels()[place(columns.start)..place(columns.end)].to_vec())
     }
 
     fn film(&self) -> Result<Film, DeviceError> {
-        Ok(self.film.clone())
+        Ok(self.films.shown().clone())
     }
 
     fn ask(&mut self, probe: Probe, questions: &[Question]) -> Result<Vec<Answer>, DeviceError> {

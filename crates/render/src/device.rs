@@ -3,12 +3,13 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use raggio_kernels::{BrokenScene, FilmPixel, Probe};
+use raggio_kernels::{BrokenScene, Feature, FilmPixel, Probe};
 use raggio_vulkan::{Buffer, VulkanError};
 
 use crate::device_scene::DeviceScene;
 use crate::display::Display;
 use crate::film::Film;
+use crate::linear_image::Image;
 
 /// Something that can trace rays.
 pub trait Device: Send + Sync {
@@ -20,24 +21,43 @@ pub trait Device: Send + Sync {
         vec![]
     }
 
+    /// The Vulkan device behind it, if there is one: windows are fastest on the same.
+    fn vulkan(&self) -> Option<&Arc<raggio_vulkan::Device>> {
+        None
+    }
+
     /// Makes `scene` resident, with an empty film.
     fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError>;
 }
 
-/// A scene and its film on a device.
+/// A scene and its films on a device: that of radiance and, once asked for, one of another feature.
+///
+/// Samples go to the film that is shown, and what is read comes from it.
 pub trait Session {
+    /// Shows the film of `feature`; at first that of radiance. That one is always kept, and of the others the last:
+    /// any other begins empty.
+    fn show(&mut self, feature: Feature) -> Result<(), DeviceError>;
+
     /// Adds the samples `samples` to the pixels of `rows`, and waits for them.
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError>;
 
-    /// Begins anew with another camera, resolution or settings; `scene` must have the shapes and materials of the one
-    /// that was loaded.
+    /// Begins anew with another camera, resolution or settings, and films without samples; `scene` must have the shapes
+    /// and materials of the one that was loaded. With another resolution the reference is gone.
     fn restart(&mut self, scene: &DeviceScene, change: Change) -> Result<(), DeviceError>;
+
+    /// What films of radiance are [compared](Display::comparison) with from now on; in the film's size.
+    fn set_reference(&mut self, reference: Option<&Image>) -> Result<(), DeviceError>;
 
     /// The film as displayable pixels.
     fn display(&mut self, display: Display) -> Result<Pixels, DeviceError>;
 
+    /// Some pixels of row `y` of the film as it is now; they are inside it.
+    fn pixels(&self, columns: Range<u32>, y: u32) -> Result<Vec<FilmPixel>, DeviceError>;
+
     /// One pixel of the film as it is now; `x` and `y` are inside it.
-    fn pixel(&self, x: u32, y: u32) -> Result<FilmPixel, DeviceError>;
+    fn pixel(&self, x: u32, y: u32) -> Result<FilmPixel, DeviceError> {
+        Ok(self.pixels(x..x + 1, y)?[0])
+    }
 
     /// The film as it is now.
     fn film(&self) -> Result<Film, DeviceError>;

@@ -1,6 +1,8 @@
 //! Where samples add up, on the host.
 
-use raggio_kernels::{FilmPixel, FixedSum};
+use raggio_kernels::FilmPixel;
+
+use crate::linear_image::Image;
 
 /// Sum and count of the samples of each pixel.
 ///
@@ -11,17 +13,6 @@ pub struct Film {
     width: u32,
     height: u32,
     pixels: Vec<FilmPixel>,
-}
-
-/// Linear radiance, row by row from the top left.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Image {
-    /// In pixels.
-    pub width: u32,
-    /// In pixels.
-    pub height: u32,
-    /// Red, green, blue; Rec. 709 primaries.
-    pub pixels: Vec<[f32; 3]>,
 }
 
 /// Two films of different sizes.
@@ -74,22 +65,14 @@ impl Film {
             return Err(SizeMismatch(self.width, self.height, other.width, other.height));
         }
         for (into, from) in self.pixels.iter_mut().zip(&other.pixels) {
-            into.red = sum(into.red, from.red);
-            into.green = sum(into.green, from.green);
-            into.blue = sum(into.blue, from.blue);
-            into.samples += from.samples;
-            into.rejected += from.rejected;
-            into.rays = into.rays.wrapping_add(from.rays);
+            into.merge(from);
         }
         Ok(())
     }
 
     /// Mean radiance of each pixel; black where there is no sample.
     pub fn mean(&self) -> Image {
-        let mean = |sum: FixedSum, samples: u32| {
-            if samples == 0 { 0.0 } else { (value(sum) / f64::from(samples)) as f32 }
-        };
-        let pixels = self.pixels.iter().map(|p| [p.red, p.green, p.blue].map(|sum| mean(sum, p.samples))).collect();
+        let pixels = self.pixels.iter().map(|pixel| pixel.mean().map(|channel| channel as f32)).collect();
         Image { width: self.width, height: self.height, pixels }
     }
 
@@ -107,20 +90,4 @@ impl Film {
     pub fn rays(&self) -> u64 {
         self.pixels.iter().map(|p| u64::from(p.rays)).sum()
     }
-}
-
-/// As a whole number of 2^-40.
-fn whole(sum: FixedSum) -> i128 {
-    let bits = u128::from(sum.low) | u128::from(sum.middle) << 32 | u128::from(sum.high) << 64;
-    // 96 bits in two's complement, widened to 128.
-    ((bits << 32) as i128) >> 32
-}
-
-fn value(sum: FixedSum) -> f64 {
-    whole(sum) as f64 / (1u64 << 40) as f64
-}
-
-fn sum(a: FixedSum, b: FixedSum) -> FixedSum {
-    let total = (whole(a) + whole(b)) as u128;
-    FixedSum { low: total as u32, middle: (total >> 32) as u32, high: (total >> 64) as u32 }
 }

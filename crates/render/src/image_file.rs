@@ -68,7 +68,10 @@ impl ImageFile {
     pub fn write(&self, film: &Film, display: Display) -> Result<(), OutputError> {
         let mut bytes = io::Cursor::new(Vec::new());
         match self.format {
-            Format::Png => write_png(film, display, &mut bytes),
+            Format::Png => {
+                let pixels = displayed(film, display);
+                encode_png([film.width(), film.height()], bytemuck::cast_slice(&pixels), &mut bytes)
+            }
             Format::Exr => write_exr(film, &mut bytes),
         }
         .and_then(|()| write_whole(&self.path, bytes.get_ref()))
@@ -130,12 +133,18 @@ fn temporary_beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
     builder.tempfile_in(folder)
 }
 
-fn write_png(film: &Film, display: Display, to: &mut impl Write) -> io::Result<()> {
-    // The fourth byte, opacity, says nothing here.
-    let rgb = |pixel: u32| pixel.to_le_bytes().into_iter().take(3);
-    let pixels: Vec<u8> = displayed(film, display).into_iter().flat_map(rgb).collect();
+/// Writes pixels as they are, whole or not at all: bytes red, green, blue, opacity, row by row from the top left. Opacity
+/// is left out.
+pub fn write_png(path: &Path, size: [u32; 2], pixels: &[u8]) -> Result<(), OutputError> {
+    let mut bytes = io::Cursor::new(Vec::new());
+    let outcome = encode_png(size, pixels, &mut bytes).and_then(|()| write_whole(path, bytes.get_ref()));
+    outcome.map_err(|source| OutputError::Unwritable { path: path.into(), source })
+}
+
+fn encode_png([width, height]: [u32; 2], pixels: &[u8], to: &mut impl Write) -> io::Result<()> {
+    let rgb: Vec<u8> = pixels.chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
     PngEncoder::new_with_quality(to, CompressionType::Best, FilterType::Adaptive)
-        .write_image(&pixels, film.width(), film.height(), image::ExtendedColorType::Rgb8)
+        .write_image(&rgb, width, height, image::ExtendedColorType::Rgb8)
         .map_err(io::Error::other)
 }
 

@@ -11,22 +11,31 @@ mod device;
 mod device_scene;
 mod display;
 mod film;
+mod films;
 mod hierarchy;
 mod image_file;
+mod image_input;
+mod linear_image;
 mod machine;
 mod media;
 mod renderer;
 mod vulkan;
 
+pub use bounds::bounds;
 pub use choice::{DeviceChoice, OpenOptions, devices, open};
 pub use cpu::{CpuDevice, CpuOptions};
 pub use device::{Answer, Change, Device, DeviceError, DeviceInfo, Pixels, Question, Session};
 pub use device_scene::{DeviceScene, TranslationError};
 pub use display::Display;
-pub use film::{Film, Image, SizeMismatch, film_bytes};
-pub use image_file::{ImageFile, OutputError, check_writable, write_whole};
-pub use machine::{peak_memory_bytes, total_memory_bytes};
+pub use film::{Film, SizeMismatch, film_bytes};
+pub use image_file::{ImageFile, OutputError, check_writable, write_png, write_whole};
+pub use image_input::InputError;
+pub use linear_image::Image;
+pub use machine::{TooLarge, check_memory, memory_bytes, peak_memory_bytes, total_memory_bytes};
+pub use raggio_kernels::compile::FOLDER as KERNELS_FOLDER;
 pub use raggio_kernels::cpu::InstructionSet;
-pub use raggio_kernels::{FilmPixel, MAX_NESTED_MEDIA, Probe, SamplerKind, ShapeKind, ToneMapper};
+pub use raggio_kernels::{
+    Comparison, Feature, FilmPixel, MAX_NESTED_MEDIA, Probe, SamplerKind, ShapeKind, ToneMapper, View,
+};
 pub use renderer::{Progress, Renderer};
 pub use vulkan::VulkanDevice;

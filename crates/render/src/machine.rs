@@ -1,5 +1,31 @@
 //! What this machine is, as far as the system tells.
 
+use crate::film::film_bytes;
+
+/// An image that this machine has no memory for.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "an image of {width}x{height} pixels needs {needed_gib:.1} GiB of memory, and this machine has {available_gib:.1}"
+)]
+pub struct TooLarge {
+    width: u32,
+    height: u32,
+    needed_gib: f64,
+    available_gib: f64,
+}
+
+/// The film and its copies while files are written must fit the machine, or the system would end the program halfway.
+pub fn check_memory(width: u32, height: u32) -> Result<(), TooLarge> {
+    let gib = |bytes: u64| bytes as f64 / (1u64 << 30) as f64;
+    let needed = 3 * film_bytes(width, height);
+    match total_memory_bytes() {
+        Some(available) if needed > available => {
+            Err(TooLarge { width, height, needed_gib: gib(needed), available_gib: gib(available) })
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Processor cores that this process may use.
 pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
@@ -14,6 +40,11 @@ pub fn processor_name() -> String {
 /// Memory of this machine; `None` where the system does not tell.
 pub fn total_memory_bytes() -> Option<u64> {
     kibibytes("/proc/meminfo", "MemTotal")
+}
+
+/// The memory that this process holds; `None` where the system does not tell.
+pub fn memory_bytes() -> Option<u64> {
+    kibibytes("/proc/self/status", "VmRSS")
 }
 
 /// The most memory that this process has held; `None` where the system does not tell.

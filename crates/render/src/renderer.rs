@@ -2,11 +2,14 @@
 
 use std::time::{Duration, Instant};
 
+use raggio_kernels::Feature;
+
 use crate::device::{Change, DeviceError, Session};
 use crate::device_scene::DeviceScene;
 use crate::film::Film;
+use crate::films::Films;
 
-/// Adds samples to a session's film, a portion at a time: each as long as the device has patience for.
+/// Adds samples to the film that a session shows, a portion at a time: each as long as the device has patience for.
 ///
 /// Portions and passes never change the picture: a sample's random numbers depend on its pixel and number alone.
 pub struct Renderer {
@@ -15,6 +18,11 @@ pub struct Renderer {
     height: u32,
     target: u32,
     samples_per_pass: Option<u32>,
+    courses: Films<Course>,
+}
+
+/// How far a film has come, and how fast.
+struct Course {
     /// The pass under way adds these samples to every pixel...
     pass: std::ops::Range<u32>,
     /// ...and has come as far as this row.
@@ -26,6 +34,8 @@ pub struct Renderer {
     slowest: f64,
     slowest_before: f64,
     sampling: Duration,
+    /// Samples that were added in that time, in all pixels together.
+    total: u64,
 }
 
 const SHORTEST_MEASURE: Duration = Duration::from_millis(1);
@@ -46,35 +56,40 @@ pub struct Progress {
 impl Renderer {
     /// For `target` samples per pixel of a `width` x `height` image.
     pub fn new(session: Box<dyn Session>, width: u32, height: u32, target: u32) -> Self {
-        Self {
-            session,
-            width,
-            height,
-            target,
-            samples_per_pass: None,
-            pass: 0..0,
-            row: height,
-            rate: 2e5,
-            slowest: f64::INFINITY,
-            slowest_before: f64::INFINITY,
-            sampling: Duration::ZERO,
-        }
+        Self { session, width, height, target, samples_per_pass: None, courses: Films::new(Course::new(height, 2e5)) }
     }
 
     /// True once every pixel has all its samples.
     pub fn finished(&self) -> bool {
-        self.row == self.height && self.pass.end >= self.target
+        let course = self.courses.shown();
+        course.row == self.height && course.pass.end >= self.target
+    }
+
+    /// Shows the film of `feature` as [`Session::show`] does; each film goes on from where it was left.
+    pub fn show(&mut self, feature: Feature) -> Result<(), DeviceError> {
+        // No feature takes longer than radiance.
+        let rate = self.rate();
+        let Self { session, courses, height, .. } = self;
+        // A course begins only where the session could make a film for it.
+        courses.show(feature, || {
+            session.show(feature)?;
+            Ok::<_, DeviceError>(Course::new(*height, rate))
+        })?;
+        session.show(feature)
+    }
+
+    /// The feature whose film is shown.
+    pub fn feature(&self) -> Feature {
+        self.courses.feature()
     }
 
     /// Begins anew, with another scene, view or size; what it has learned of the device's speed stays.
     pub fn restart(&mut self, scene: &DeviceScene, change: Change) -> Result<(), DeviceError> {
         self.session.restart(scene, change)?;
         (self.width, self.height) = (scene.work.width, scene.work.height);
-        self.pass = 0..0;
-        self.row = self.height;
-        self.slowest = f64::INFINITY;
-        self.slowest_before = f64::INFINITY;
-        self.sampling = Duration::ZERO;
+        for course in self.courses.iter_mut() {
+            *course = Course::new(self.height, course.lasting_rate());
+        }
         Ok(())
     }
 
@@ -90,10 +105,11 @@ impl Renderer {
 
     /// Samples per second, in all pixels together, as lately measured.
     pub fn rate(&self) -> f64 {
-        self.rate.min(self.slowest_before)
+        let course = self.courses.shown();
+        course.rate.min(course.slowest_before)
     }
 
-    /// The scene and the film on the device.
+    /// The scene and the films on the device. Films are changed by [`Renderer::show`].
     pub fn session(&mut self) -> &mut dyn Session {
         &mut *self.session
     }
@@ -109,48 +125,79 @@ impl Renderer {
         if self.finished() {
             return Ok(self.progress());
         }
-        if self.row == self.height {
-            self.slowest_before = std::mem::replace(&mut self.slowest, f64::INFINITY);
+        let course = self.courses.shown_mut();
+        if course.row == self.height {
+            course.slowest_before = std::mem::replace(&mut course.slowest, f64::INFINITY);
             // As many samples at once as one portion can give to the whole image, and at least one.
             let affordable = portion / (f64::from(self.width) * f64::from(self.height));
-            let samples = self.samples_per_pass.unwrap_or(affordable as u32).clamp(1, self.target - self.pass.end);
-            self.pass = self.pass.end..self.pass.end + samples;
-            self.row = 0;
+            let samples = self.samples_per_pass.unwrap_or(affordable as u32).clamp(1, self.target - course.pass.end);
+            course.pass = course.pass.end..course.pass.end + samples;
+            course.row = 0;
         }
-        let row_samples = f64::from(self.width) * self.pass.len() as f64;
-        let rows = ((portion / row_samples) as u32).clamp(1, self.height - self.row);
+        let row_samples = f64::from(self.width) * course.pass.len() as f64;
+        let rows = ((portion / row_samples) as u32).clamp(1, self.height - course.row);
 
         let start = Instant::now();
-        self.session.add_samples(self.row..self.row + rows, self.pass.clone())?;
+        self.session.add_samples(course.row..course.row + rows, course.pass.clone())?;
         let elapsed = start.elapsed();
 
-        self.sampling += elapsed;
-        self.row += rows;
+        course.sampling += elapsed;
+        course.total += u64::from(rows) * u64::from(self.width) * course.pass.len() as u64;
+        course.row += rows;
         // Rows differ in cost: follow the measurement, but grow no faster than fourfold.
         let measured = f64::from(rows) * row_samples / elapsed.as_secs_f64().max(1e-6);
-        self.rate = measured.min(4.0 * self.rate);
+        course.rate = measured.min(4.0 * course.rate);
         // Shorter portions measure the call, and the very first the driver's preparations.
-        if elapsed > SHORTEST_MEASURE && self.sampling > elapsed {
-            self.slowest = self.slowest.min(measured);
+        if elapsed > SHORTEST_MEASURE && course.sampling > elapsed {
+            course.slowest = course.slowest.min(measured);
         }
         Ok(self.progress())
     }
 
+    /// Renders what is left of the pass under way: then all pixels have equally many samples.
+    pub fn finish_pass(&mut self) -> Result<(), DeviceError> {
+        while self.courses.shown().row < self.height {
+            self.advance()?;
+        }
+        Ok(())
+    }
+
     /// How far it has come.
     pub fn progress(&self) -> Progress {
+        let Course { pass, row, sampling, .. } = self.courses.shown();
         let width = u64::from(self.width);
         let pixels = width * u64::from(self.height);
-        let total_samples = u64::from(self.pass.start) * pixels + u64::from(self.row) * width * self.pass.len() as u64;
+        let total_samples = u64::from(pass.start) * pixels + u64::from(*row) * width * pass.len() as u64;
         Progress {
-            samples: if self.row == self.height { self.pass.end } else { self.pass.start },
+            samples: if *row == self.height { pass.end } else { pass.start },
             total_samples,
             fraction: total_samples as f64 / (pixels * u64::from(self.target)) as f64,
-            seconds: self.sampling.as_secs_f64(),
+            seconds: sampling.as_secs_f64(),
         }
     }
 
-    /// The film as it is now.
+    /// The film that is shown, as it is now.
     pub fn film(&self) -> Result<Film, DeviceError> {
         self.session.film()
+    }
+}
+
+impl Course {
+    /// The last portion may have been of the sky alone, so that the average counts too.
+    fn lasting_rate(&self) -> f64 {
+        let seconds = self.sampling.as_secs_f64();
+        if seconds > 0.0 { self.rate.min(self.total as f64 / seconds) } else { self.rate }
+    }
+
+    fn new(height: u32, rate: f64) -> Self {
+        Self {
+            pass: 0..0,
+            row: height,
+            rate,
+            slowest: f64::INFINITY,
+            slowest_before: f64::INFINITY,
+            sampling: Duration::ZERO,
+            total: 0,
+        }
     }
 }

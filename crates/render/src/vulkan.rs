@@ -4,15 +4,17 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use raggio_kernels::{
-    EntryPoint, FILM_BINDING, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, SCENE_BINDINGS, SCENE_SET, SPIRV,
-    VIEW_BUFFERS, Work,
+    EntryPoint, FILM_BINDING, Feature, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, SCENE_BINDINGS, SCENE_SET,
+    SPIRV, VIEW_BUFFERS, Work,
 };
 use raggio_vulkan::{BindingSet, Buffer, Device as VulkanContext, Location, Module, PhysicalDevice, Pipeline};
 
 use crate::device::{Answer, Change, Device, DeviceError, Pixels, Question, Session};
 use crate::device_scene::DeviceScene;
-use crate::display::Display;
+use crate::display::{Display, reference_pixels};
 use crate::film::Film;
+use crate::films::Films;
+use crate::linear_image::Image;
 
 // `raggio devices` calls a device fit by this number.
 const _: () = assert!(SCENE_BINDINGS.len() + 3 <= raggio_vulkan::STORAGE_BUFFERS as usize);
@@ -32,6 +34,7 @@ struct Kernels {
     context: Arc<VulkanContext>,
     module: Arc<Module>,
     render: Pipeline,
+    inspect: Pipeline,
     display: Pipeline,
     probe: Pipeline,
 }
@@ -49,9 +52,10 @@ impl VulkanDevice {
         bindings[SCENE_SET as usize] = SCENE_BINDINGS.to_vec();
         let module = Module::new(&context, spirv, &bindings, size_of::<Work>() as u32)?;
         let render = module.pipeline(EntryPoint::Render.name())?;
+        let inspect = module.pipeline(EntryPoint::Inspect.name())?;
         let display = module.pipeline(EntryPoint::Display.name())?;
         let probe = module.pipeline(EntryPoint::Probe.name())?;
-        Ok(Self { kernels: Arc::new(Kernels { context, module, render, display, probe }) })
+        Ok(Self { kernels: Arc::new(Kernels { context, module, render, inspect, display, probe }) })
     }
 
     /// The open device, which windows share.
@@ -70,12 +74,17 @@ impl Device for VulkanDevice {
         self.context().physical().instance().validation_messages()
     }
 
+    fn vulkan(&self) -> Option<&Arc<VulkanContext>> {
+        Some(self.context())
+    }
+
     fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
         scene.buffers.check()?;
         let kernels = self.kernels.clone();
         let (buffers, scene_set) = kernels.upload(scene, &[])?;
-        let bands = kernels.film(&scene.work)?;
-        Ok(Box::new(VulkanSession { kernels, work: scene.work, buffers, scene_set, bands, output: None }))
+        let films = Films::new(kernels.film(&scene.work)?);
+        let work = scene.work;
+        Ok(Box::new(VulkanSession { kernels, work, buffers, scene_set, films, reference: None, output: None }))
     }
 }
 
@@ -109,11 +118,17 @@ impl Kernels {
     }
 
     /// Room for displayable pixels, and the sets that display each band into it.
-    fn output(&self, work: &Work, bands: &[Band]) -> Result<Output, DeviceError> {
+    fn output(&self, work: &Work, bands: &[Band], reference: Option<&Arc<Buffer>>) -> Result<Output, DeviceError> {
         let bytes = u64::from(work.width) * u64::from(work.height) * 4;
         let pixels = Arc::new(Buffer::new(&self.context, "displayed pixels", bytes, Location::Device)?);
+        // The kernel names a reference, so something has to be bound even if it is not read.
+        let reference = match reference {
+            Some(reference) => reference.clone(),
+            None => Arc::new(Buffer::new(&self.context, "no reference", 0, Location::Device)?),
+        };
         let sets = bands.iter().map(|band| {
-            let bindings = [(FILM_BINDING, band.film.clone()), (OUTPUT_BINDING, pixels.clone())];
+            let (film, pixels, reference) = (band.film.clone(), pixels.clone(), reference.clone());
+            let bindings = [(FILM_BINDING, film), (OUTPUT_BINDING, pixels), (INPUT_BINDING, reference)];
             Ok(self.module.bind(BUFFER_SET, &bindings)?)
         });
         let sets = sets.collect::<Result<_, DeviceError>>()?;
@@ -143,14 +158,27 @@ struct VulkanSession {
     work: Work,
     buffers: Resident,
     scene_set: BindingSet,
-    bands: Vec<Band>,
-    // Only who displays needs it.
+    films: Films<Vec<Band>>,
+    reference: Option<Arc<Buffer>>,
+    // Only who displays needs it. It is bound to the film that is shown and to the reference.
     output: Option<Output>,
 }
 
 impl Session for VulkanSession {
+    fn show(&mut self, feature: Feature) -> Result<(), DeviceError> {
+        if feature != self.films.feature() {
+            self.output = None;
+        }
+        self.films.show(feature, || self.kernels.film(&self.work))
+    }
+
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
-        for band in &self.bands {
+        let feature = self.films.feature();
+        let (entry, pipeline) = match EntryPoint::sampling(feature) {
+            EntryPoint::Inspect => (EntryPoint::Inspect, &self.kernels.inspect),
+            entry => (entry, &self.kernels.render),
+        };
+        for band in self.films.shown() {
             let first = rows.start.max(band.rows.start);
             let end = rows.end.min(band.rows.end);
             if first >= end {
@@ -162,12 +190,13 @@ impl Session for VulkanSession {
                 rows: end - first,
                 first_sample: samples.start,
                 samples: samples.len() as u32,
+                feature: feature as u32,
                 ..self.work
             };
-            let groups = EntryPoint::Render.groups(&work);
+            let groups = entry.groups(&work);
             let sets = [&band.set, &self.scene_set];
             self.kernels.context.run(|passes| {
-                passes.compute(&self.kernels.render, &sets, bytemuck::bytes_of(&work), groups);
+                passes.compute(pipeline, &sets, bytemuck::bytes_of(&work), groups);
             })?;
         }
         Ok(())
@@ -186,12 +215,25 @@ impl Session for VulkanSession {
         };
         (self.buffers, self.scene_set) = self.kernels.upload(scene, &kept)?;
         let same_size = (self.work.width, self.work.height) == (scene.work.width, scene.work.height);
-        self.work = scene.work;
         if same_size {
-            self.kernels.context.run(|passes| self.bands.iter().for_each(|band| passes.clear(&band.film)))?;
+            let bands = self.films.iter().flatten();
+            self.kernels.context.run(|passes| bands.for_each(|band| passes.clear(&band.film)))?;
         } else {
             self.output = None;
-            self.bands = self.kernels.film(&self.work)?;
+            self.reference = None;
+            self.films.renew(|| self.kernels.film(&scene.work))?;
+        }
+        self.work = scene.work;
+        Ok(())
+    }
+
+    fn set_reference(&mut self, reference: Option<&Image>) -> Result<(), DeviceError> {
+        self.output = None;
+        self.reference = None;
+        if let Some(image) = reference {
+            let pixels = reference_pixels(image, self.work.width, self.work.height);
+            let bytes = bytemuck::cast_slice(&pixels);
+            self.reference = Some(Arc::new(Buffer::with_bytes(&self.kernels.context, "reference image", bytes)?));
         }
         Ok(())
     }
@@ -199,12 +241,13 @@ impl Session for VulkanSession {
     fn display(&mut self, display: Display) -> Result<Pixels, DeviceError> {
         let output = match self.output.take() {
             Some(output) => output,
-            None => self.kernels.output(&self.work, &self.bands)?,
+            None => self.kernels.output(&self.work, self.films.shown(), self.reference.as_ref())?,
         };
+        let work = display.apply(self.work, self.reference.is_some());
         self.kernels.context.run(|passes| {
-            for (band, set) in self.bands.iter().zip(&output.sets) {
+            for (band, set) in self.films.shown().iter().zip(&output.sets) {
                 let (first, rows) = (band.rows.start, band.rows.len() as u32);
-                let work = display.apply(Work { band_row: first, first_row: first, rows, ..self.work });
+                let work = Work { band_row: first, first_row: first, rows, ..work };
                 let groups = EntryPoint::Display.groups(&work);
                 passes.compute(&self.kernels.display, &[set], bytemuck::bytes_of(&work), groups);
             }
@@ -212,18 +255,18 @@ impl Session for VulkanSession {
         Ok(Pixels::Device(self.output.insert(output).pixels.clone()))
     }
 
-    fn pixel(&self, x: u32, y: u32) -> Result<FilmPixel, DeviceError> {
-        let size = size_of::<FilmPixel>() as u64;
-        let band = self.bands.iter().find(|band| band.rows.contains(&y));
+    fn pixels(&self, columns: Range<u32>, y: u32) -> Result<Vec<FilmPixel>, DeviceError> {
+        let band = self.films.shown().iter().find(|band| band.rows.contains(&y));
         let band = band.ok_or_else(|| DeviceError::Host(format!("there is no row {y} in the film")))?;
-        let place = u64::from(y - band.rows.start) * u64::from(self.work.width) + u64::from(x);
-        let bytes = band.film.read_range(place * size..(place + 1) * size)?;
-        Ok(bytemuck::pod_read_unaligned(&bytes))
+        let row = u64::from(y - band.rows.start) * u64::from(self.work.width);
+        let place = |x: u32| (row + u64::from(x)) * size_of::<FilmPixel>() as u64;
+        let bytes = band.film.read_range(place(columns.start)..place(columns.end))?;
+        Ok(bytemuck::allocation::pod_collect_to_vec(&bytes))
     }
 
     fn film(&self) -> Result<Film, DeviceError> {
         let mut pixels = Vec::with_capacity(self.work.width as usize * self.work.height as usize);
-        for band in &self.bands {
+        for band in self.films.shown() {
             pixels.extend(bytemuck::allocation::pod_collect_to_vec::<u8, FilmPixel>(&band.film.read()?));
         }
         Ok(Film::from_pixels(self.work.width, self.work.height, pixels))

@@ -6,7 +6,8 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use raggio_render::{
-    Answer, Change, DeviceError, DeviceScene, Display, Film, FilmPixel, Pixels, Probe, Question, Renderer, Session,
+    Answer, Change, DeviceError, DeviceScene, Display, Feature, Film, FilmPixel, Image, Pixels, Probe, Question,
+    Renderer, Session,
 };
 
 const WIDTH: u32 = 100;
@@ -24,16 +25,23 @@ struct Log {
 /// A device that only takes its time.
 struct Clock {
     seconds_per_sample: f64,
+    shown: Feature,
     log: Rc<RefCell<Log>>,
 }
 
 impl Session for Clock {
+    fn show(&mut self, feature: Feature) -> Result<(), DeviceError> {
+        self.shown = feature;
+        Ok(())
+    }
+
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
         let mut log = self.log.borrow_mut();
         log.samples.resize(HEIGHT as usize, vec![]);
         let portion = f64::from(WIDTH) * rows.len() as f64 * samples.len() as f64;
         log.portions.push(portion);
-        for row in rows {
+        // Of the picture alone.
+        for row in rows.filter(|_| self.shown == Feature::Radiance) {
             log.samples[row as usize].push(samples.clone());
         }
         std::thread::sleep(Duration::from_secs_f64(portion * self.seconds_per_sample));
@@ -44,12 +52,16 @@ impl Session for Clock {
         Ok(())
     }
 
+    fn set_reference(&mut self, _: Option<&Image>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+
     fn display(&mut self, _: Display) -> Result<Pixels, DeviceError> {
         Ok(Pixels::Host(vec![]))
     }
 
-    fn pixel(&self, _: u32, _: u32) -> Result<FilmPixel, DeviceError> {
-        Ok(FilmPixel::default())
+    fn pixels(&self, _: Range<u32>, _: u32) -> Result<Vec<FilmPixel>, DeviceError> {
+        Ok(vec![])
     }
 
     fn film(&self) -> Result<Film, DeviceError> {
@@ -67,7 +79,8 @@ impl Session for Clock {
 
 fn render(seconds_per_sample: f64, target: u32) -> Log {
     let log = Rc::new(RefCell::new(Log::default()));
-    let mut renderer = Renderer::new(Box::new(Clock { seconds_per_sample, log: log.clone() }), WIDTH, HEIGHT, target);
+    let clock = Clock { seconds_per_sample, shown: Feature::Radiance, log: log.clone() };
+    let mut renderer = Renderer::new(Box::new(clock), WIDTH, HEIGHT, target);
     let mut last = 0.0;
     while !renderer.finished() {
         let progress = renderer.advance().expect("a portion");
@@ -117,4 +130,33 @@ fn a_fast_device_gets_many_samples_at_once() {
 fn a_session_of_no_cost_ends_too() {
     let log = render(0.0, 3);
     assert_each_sample_once(&log, 3);
+}
+
+#[test]
+fn each_film_goes_on_from_where_it_was_left() {
+    let log = Rc::new(RefCell::new(Log::default()));
+    let clock = Clock { seconds_per_sample: 1e-7, shown: Feature::Radiance, log: log.clone() };
+    let mut renderer = Renderer::new(Box::new(clock), WIDTH, HEIGHT, 1000);
+    let finish = |renderer: &mut Renderer| {
+        while !renderer.finished() {
+            renderer.advance().expect("a portion");
+        }
+    };
+    for _ in 0..3 {
+        renderer.advance().expect("a portion");
+    }
+    let before = renderer.progress();
+    renderer.show(Feature::Normal).expect("normals are shown");
+    assert_eq!((renderer.feature(), renderer.progress().total_samples), (Feature::Normal, 0));
+    finish(&mut renderer);
+    renderer.show(Feature::Radiance).expect("radiance is shown");
+    assert_eq!(renderer.progress(), before);
+    finish(&mut renderer);
+    assert_each_sample_once(&log.borrow(), 1000);
+
+    // The last feature's film is kept, another one begins anew.
+    renderer.show(Feature::Normal).expect("normals are shown");
+    assert!(renderer.finished());
+    renderer.show(Feature::Depth).expect("depth is shown");
+    assert_eq!(renderer.progress().total_samples, 0);
 }

@@ -4,7 +4,7 @@ use raggio_kernels::FixedSum;
 use raggio_render::{Answer, Probe, Question};
 use raggio_scene::Environment;
 use raggio_tests::render::{means, whole};
-use raggio_tests::{Pcg, for_each_device, parse, render};
+use raggio_tests::{Pcg, for_each_device, parse, render, render_range};
 
 /// The sky in a film of a few pixels.
 fn sky(color: &str) -> raggio_scene::Scene {
@@ -102,5 +102,47 @@ fn samples_that_overflow_are_rejected() {
         }
         let film = film([1.0, 1.0, 3.4e10]);
         assert_eq!((film.rejected(), film.samples()), (0, 8 * 3), "{}: the brightest that fits", device.label);
+    });
+}
+
+/// Against the samples themselves, rendered one by one. The kernel rounds each square a few times to single precision and
+/// once to 2^-40.
+#[test]
+fn the_variance_is_that_of_the_samples() {
+    const SAMPLES: u32 = 12;
+    for_each_device(|device| {
+        for (name, scene) in crate::scenes() {
+            let film = render(device.device, &scene, SAMPLES);
+            let singles: Vec<_> = (0..SAMPLES).map(|i| render_range(device.device, &scene, i..i + 1)).collect();
+            let values: Vec<_> = singles.iter().map(means).collect();
+            for (place, pixel) in film.pixels().iter().enumerate() {
+                let weights = glam::DVec3::new(0.2126, 0.7152, 0.0722);
+                let luminances: Vec<f64> = values.iter().map(|means| means[place].dot(weights)).collect();
+                let count = f64::from(SAMPLES);
+                let mean = luminances.iter().sum::<f64>() / count;
+                let expected = luminances.iter().map(|y| (y - mean) * (y - mean)).sum::<f64>() / (count - 1.0);
+                let squares = luminances.iter().map(|y| y * y).sum::<f64>() / (count - 1.0);
+                let found = pixel.luminance_variance().expect("more than one sample");
+                let what = format!("{} {name}: pixel {place}", device.label);
+                let allowed = 1e-6 * squares + 2f64.powi(-39);
+                assert!((found - expected).abs() <= allowed, "{what}: expected {expected}, found {found}");
+                assert_eq!(pixel.luminance_error(), Some((found / count).sqrt()), "{what}");
+                assert_eq!(singles[0].pixels()[place].luminance_variance(), None, "{what}: of one sample");
+            }
+        }
+    });
+}
+
+/// Of the brightest samples the squares count as the largest that a sum takes, so that no sum overflows.
+#[test]
+fn squares_saturate() {
+    for_each_device(|device| {
+        for brightness in [2e5, 3.4e10] {
+            let mut scene = sky("[1, 1, 1]");
+            scene.environment = Environment::Constant([brightness; 3].into());
+            for pixel in render(device.device, &scene, 3).pixels() {
+                assert_eq!(pixel.squares.value(), 3.0 * 34359736320.0, "{}: a sky of {brightness}", device.label);
+            }
+        }
     });
 }

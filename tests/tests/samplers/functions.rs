@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 use raggio_render::{Probe, ToneMapper};
-use raggio_tests::{Pcg, for_each_device, parse};
+use raggio_tests::{Pcg, TestDevice, for_each_device, parse};
 
 use crate::anywhere;
 
@@ -32,6 +32,35 @@ fn aces(color: DVec3) -> DVec3 {
     (output * fit).clamp(DVec3::ZERO, DVec3::ONE)
 }
 
+/// Wrensch's approximation of AgX, made linear again.
+fn agx(color: DVec3) -> DVec3 {
+    let inset = DMat3::from_cols(
+        DVec3::new(0.842479062253094, 0.0423282422610123, 0.0423756549057051),
+        DVec3::new(0.0784335999999992, 0.878468636469772, 0.0784336),
+        DVec3::new(0.0792237451477643, 0.0791661274605434, 0.879142973793104),
+    );
+    let stops = |x: f64| ((x.max(1e-10).log2() + 12.47393) / 16.5).clamp(0.0, 1.0);
+    let curve = |x: f64| {
+        [15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.00232]
+            .iter()
+            .fold(0.0, |sum, coefficient| sum * x + coefficient)
+    };
+    let v = DVec3::from_array((inset * color).to_array().map(|x| curve(stops(x))));
+    DVec3::from_array((inset.inverse() * v).to_array().map(|x| x.clamp(0.0, 1.0).powf(2.2)))
+}
+
+/// Hable's curve, exposure bias and white included.
+fn filmic(color: DVec3) -> DVec3 {
+    let curve = |x: f64| (x * (0.15 * x + 0.05) + 0.004) / (x * (0.15 * x + 0.5) + 0.06) - 0.02 / 0.3;
+    DVec3::from_array(color.to_array().map(|x| (curve(2.0 * x) / curve(11.2)).clamp(0.0, 1.0)))
+}
+
+/// Reinhard's equation 4, of luminance.
+fn reinhard(color: DVec3) -> DVec3 {
+    let luminance = color.dot(DVec3::new(0.2126, 0.7152, 0.0722));
+    (color * (1.0 + luminance / 16.0) / (1.0 + luminance)).clamp(DVec3::ZERO, DVec3::ONE)
+}
+
 #[test]
 fn tone_mappers_are_what_they_are_called() {
     let mut random = Pcg::new(3);
@@ -40,19 +69,56 @@ fn tone_mappers_are_what_they_are_called() {
     colors.extend([0.0, 0.04, 0.08, 0.76, 0.8, 1.0].map(glam::Vec3::splat));
     let definition = |mapper, color: DVec3| match mapper {
         ToneMapper::Neutral => neutral(color),
+        ToneMapper::Agx => agx(color),
         ToneMapper::Aces => aces(color),
+        ToneMapper::Filmic => filmic(color),
+        ToneMapper::Reinhard => reinhard(color),
         ToneMapper::None => color.clamp(DVec3::ZERO, DVec3::ONE),
     };
     for_each_device(|device| {
-        for mapper in [ToneMapper::Neutral, ToneMapper::Aces, ToneMapper::None] {
-            let question = |c: &glam::Vec3| [c.extend(mapper as u32 as f32).to_array(), [0.0; 4], [0.0; 4]];
-            let questions: Vec<_> = colors.iter().map(question).collect();
-            for (color, answer) in colors.iter().zip(device.ask(&anywhere(), Probe::ToneMap, &questions)) {
-                let found = glam::Vec3::from_slice(&answer[0]).as_dvec3();
+        for mapper in ToneMapper::ALL {
+            // Results lie between 0 and 1; the longest formula takes about twenty roundings. The terms of AgX's are as
+            // large as 40, and a device's powers and logarithms are less exact.
+            let allowed = if mapper == ToneMapper::Agx { 4e-5 } else { 4e-6 };
+            for (color, found) in colors.iter().zip(tone_mapped(device, mapper, &colors)) {
                 let expected = definition(mapper, color.as_dvec3());
-                // Results lie between 0 and 1; the longest formula takes about twenty roundings.
                 let error = (found - expected).abs().max_element();
-                assert!(error < 4e-6, "{}, {mapper:?} of {color}: expected {expected}, found {found}", device.label);
+                assert!(error < allowed, "{}, {mapper:?} of {color}: expected {expected}, found {found}", device.label);
+            }
+        }
+    });
+}
+
+fn tone_mapped(device: TestDevice, mapper: ToneMapper, colors: &[glam::Vec3]) -> Vec<DVec3> {
+    let question = |c: &glam::Vec3| [c.extend(mapper as u32 as f32).to_array(), [0.0; 4], [0.0; 4]];
+    let questions: Vec<_> = colors.iter().map(question).collect();
+    let answers = device.ask(&anywhere(), Probe::ToneMap, &questions);
+    answers.iter().map(|answer| glam::Vec3::from_slice(&answer[0]).as_dvec3()).collect()
+}
+
+/// Black stays black, greys get no darker as they get brighter, and nothing leaves what a display can show.
+#[test]
+fn tone_mappers_keep_to_what_a_display_shows() {
+    let greys: Vec<_> = (0..600).map(|i| glam::Vec3::splat(2f32.powf(i as f32 / 10.0 - 30.0))).collect();
+    let mut random = Pcg::new(4);
+    let mut extreme = || match random.below(4) {
+        0 => -random.log_between(1e-3, 3e38),
+        1 => random.log_between(1e9, 3e38),
+        _ => random.log_between(1e-30, 10.0),
+    };
+    let mut extremes: Vec<_> = (0..1000).map(|_| DVec3::from_array([(); 3].map(|()| extreme())).as_vec3()).collect();
+    extremes.extend([1e30, -1e30, f32::INFINITY, f32::NEG_INFINITY].map(glam::Vec3::splat));
+    for_each_device(|device| {
+        for mapper in ToneMapper::ALL {
+            let what = format!("{} {mapper:?}", device.label);
+            let black = tone_mapped(device, mapper, &[glam::Vec3::ZERO])[0];
+            assert!(black.max_element() < 1e-6, "{what}: black becomes {black}");
+            for pair in tone_mapped(device, mapper, &greys).windows(2) {
+                assert!(pair[1].cmpge(pair[0] - 1e-6).all(), "{what}: {} then {}", pair[0], pair[1]);
+            }
+            for (color, found) in extremes.iter().zip(tone_mapped(device, mapper, &extremes)) {
+                let shown = found.cmpge(DVec3::ZERO).all() && found.cmple(DVec3::ONE).all();
+                assert!(shown, "{what} of {color}: {found}");
             }
         }
     });

@@ -1,0 +1,28 @@
+//! What the views of the display kernel look at.
+
+use crate::{Feature, View};
+
+impl View {
+    /// The film that it is meant for.
+    pub fn feature(self) -> Feature {
+        match self {
+            Self::Hit => Feature::Hit,
+            Self::Albedo => Feature::Albedo,
+            Self::Normal => Feature::Normal,
+            Self::Depth => Feature::Depth,
+            Self::Radiance | Self::Bounces | Self::Samples | Self::Variance => Feature::Radiance,
+        }
+    }
+
+    /// What its colours mean, from their first to their last; `None` for colours that mean themselves.
+    pub fn legend(self, scale: f32) -> Option<String> {
+        match self {
+            Self::Radiance | Self::Hit | Self::Albedo => None,
+            Self::Normal => Some("x, y, z from -1 to 1 as red, green, blue".into()),
+            Self::Depth => Some(format!("distance: white 0, middle grey {scale}, black far away")),
+            Self::Bounces => Some(format!("rays per sample: 0 to {scale}")),
+            Self::Samples => Some(format!("samples: 0 to {scale}")),
+            Self::Variance => Some("relative standard error of the luminance: 0.1 % to 100 %, logarithmic".into()),
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! Kernels that are compiled while the program runs.
+
+use std::path::Path;
+
+use raggio_kernels::SPIRV;
+use raggio_kernels::compile::{CompileError, FOLDER, spirv};
+
+/// The outcome for a copy of the kernels in which `old` of one file reads `new`.
+fn edited(file: &str, old: &str, new: &str) -> Result<Vec<u8>, CompileError> {
+    let copy = tempfile::tempdir().expect("a temporary folder");
+    copy_folder(Path::new(FOLDER), copy.path());
+    let path = copy.path().join(file);
+    let source = std::fs::read_to_string(&path).expect("the file is there");
+    assert!(source.contains(old), "{file} has no `{old}`");
+    std::fs::write(&path, source.replacen(old, new, 1)).expect("the copy can be written");
+    spirv(copy.path())
+}
+
+fn copy_folder(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).expect("a folder");
+    for entry in std::fs::read_dir(from).expect("the kernels are there") {
+        let entry = entry.expect("an entry");
+        let target = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy_folder(&entry.path(), &target);
+        } else {
+            std::fs::copy(entry.path(), target).expect("a copy");
+        }
+    }
+}
+
+fn changed(name: &str) -> Result<Vec<u8>, CompileError> {
+    Err(CompileError::Changed(name.into()))
+}
+
+#[test]
+fn unchanged_kernels_are_those_of_the_build() {
+    assert!(spirv(Path::new(FOLDER)).expect("they compile") == SPIRV);
+}
+
+#[test]
+fn code_may_change() {
+    let code = edited("camera.slang", "2.0 * film.x", "3.0 * film.x").expect("it compiles");
+    assert!(code != SPIRV);
+}
+
+#[test]
+fn what_the_host_knows_may_not() {
+    assert_eq!(
+        edited("camera.slang", "float focusDistance;", "float focusDistance;\n    float tint;"),
+        changed("Camera")
+    );
+    assert_eq!(edited("tracing.slang", "MAX_BVH_DEPTH = 64", "MAX_BVH_DEPTH = 65"), changed("MAX_BVH_DEPTH"));
+    assert_eq!(edited("entry/render.slang", "[numthreads(8, 8, 1)]", "[numthreads(4, 8, 1)]"), changed("render"));
+    let sentence = CompileError::Changed("View".into()).to_string();
+    assert_eq!(sentence, "`View` of the kernels changed: rebuild the program");
+}
+
+#[test]
+fn comments_of_enumerations_may_change() {
+    let code = edited("shapes/list.slang", "enum ShapeKind : uint\n{\n", "enum ShapeKind : uint\n{\n    // New.\n");
+    assert!(code.expect("it compiles") == SPIRV);
+}
+
+#[test]
+fn mistakes_are_named_with_file_and_line() {
+    let error =
+        edited("camera.slang", "// From a pixel to a ray.", "float broken( {").expect_err("not Slang").to_string();
+    assert!(error.contains("camera.slang:1"), "{error}");
+    let error = spirv(Path::new("nowhere")).expect_err("no kernels").to_string();
+    assert!(error.contains("nowhere"), "{error}");
+}

@@ -1,0 +1,147 @@
+//! Pictures from disk.
+
+use std::ffi::OsStr;
+use std::fs::File;
+use std::io::{self, BufReader, Seek};
+use std::path::{Path, PathBuf};
+
+use exr::meta::MetaData;
+use exr::prelude::{ReadChannels, ReadLayers, Vec2};
+use image::{ImageDecoder, ImageReader};
+
+use crate::linear_image::Image;
+
+/// The most pixels that are read: 8192 x 8192.
+const MOST_PIXELS: u64 = 1 << 26;
+
+/// Why a picture cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum InputError {
+    /// An ending that names no format.
+    #[error("{}: the ending must be .exr (linear radiance) or .png (sRGB)", path.display())]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file cannot be opened or read.
+    #[error("cannot read {}: {source}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// Larger than any picture that is meant.
+    #[error("{}: {width}x{height} pixels are more than the {MOST_PIXELS} that a reference image may have", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// In pixels.
+        width: u64,
+        /// In pixels.
+        height: u64,
+    },
+    /// Not what its ending says, or damaged.
+    #[error("{}: not {format} image with red, green and blue that can be read: {reason}", path.display())]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// `an OpenEXR` or `a PNG`.
+        format: &'static str,
+        /// What its reader says.
+        reason: String,
+    },
+}
+
+impl Image {
+    /// Reads an OpenEXR file, whose R, G and B are linear radiance, or a PNG, whose sRGB is made linear. Opacity is left
+    /// out, and what is not a number or infinite becomes black.
+    pub fn load(path: &Path) -> Result<Self, InputError> {
+        let ending = path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
+        let (format, read): (_, Reader) = match ending.as_str() {
+            "exr" => ("an OpenEXR", read_exr),
+            "png" => ("a PNG", read_png),
+            _ => return Err(InputError::UnknownFormat { path: path.into() }),
+        };
+        let unreadable = |source| InputError::Unreadable { path: path.into(), source };
+        let file = File::open(path).map_err(unreadable)?;
+        if file.metadata().map_err(unreadable)?.is_dir() {
+            return Err(unreadable(io::ErrorKind::IsADirectory.into()));
+        }
+        read(BufReader::new(file)).map_err(|fault| match fault {
+            Fault::System(source) => unreadable(source),
+            Fault::TooLarge(width, height) => InputError::TooLarge { path: path.into(), width, height },
+            Fault::Malformed(reason) => InputError::Malformed { path: path.into(), format, reason },
+        })
+    }
+}
+
+/// Of one format.
+type Reader = fn(BufReader<File>) -> Result<Image, Fault>;
+
+/// An [`InputError`] that does not know its file yet.
+enum Fault {
+    System(io::Error),
+    TooLarge(u64, u64),
+    Malformed(String),
+}
+
+impl From<exr::error::Error> for Fault {
+    fn from(error: exr::error::Error) -> Self {
+        match error {
+            exr::error::Error::Io(source) if source.kind() != io::ErrorKind::UnexpectedEof => Self::System(source),
+            error => Self::Malformed(error.to_string()),
+        }
+    }
+}
+
+impl From<image::ImageError> for Fault {
+    fn from(error: image::ImageError) -> Self {
+        match error {
+            image::ImageError::IoError(source) if source.kind() != io::ErrorKind::UnexpectedEof => Self::System(source),
+            error => Self::Malformed(error.to_string()),
+        }
+    }
+}
+
+/// Sizes are checked before anything is reserved for them.
+fn check_size(width: u64, height: u64) -> Result<(), Fault> {
+    if width.saturating_mul(height) > MOST_PIXELS { Err(Fault::TooLarge(width, height)) } else { Ok(()) }
+}
+
+fn read_exr(mut file: BufReader<File>) -> Result<Image, Fault> {
+    for header in MetaData::read_from_buffered(&mut file, false)?.headers {
+        check_size(header.layer_size.width() as u64, header.layer_size.height() as u64)?;
+    }
+    file.rewind().map_err(Fault::System)?;
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgb_channels(
+            |size: Vec2<usize>, _| (size.width(), vec![[0.0; 3]; size.area()]),
+            |(width, pixels): &mut (usize, Vec<[f32; 3]>), at, (r, g, b): (f32, f32, f32)| {
+                pixels[at.y() * *width + at.x()] = [r, g, b].map(|v| if v.is_finite() { v } else { 0.0 });
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(file)?;
+    let size = image.layer_data.size;
+    let (_, pixels) = image.layer_data.channel_data.pixels;
+    Ok(Image { width: size.width() as u32, height: size.height() as u32, pixels })
+}
+
+fn read_png(file: BufReader<File>) -> Result<Image, Fault> {
+    let decoder = ImageReader::with_format(file, image::ImageFormat::Png).into_decoder()?;
+    let (width, height) = decoder.dimensions();
+    check_size(width.into(), height.into())?;
+    let rgb = image::DynamicImage::from_decoder(decoder)?.into_rgb16();
+    let pixels =
+        rgb.pixels().map(|pixel| pixel.0.map(|value| srgb_decode(f64::from(value) / 65535.0) as f32)).collect();
+    Ok(Image { width, height, pixels })
+}
+
+/// The inverse of the sRGB transfer function (IEC 61966-2-1).
+fn srgb_decode(x: f64) -> f64 {
+    if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+}

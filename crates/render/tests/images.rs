@@ -1,0 +1,154 @@
+//! Pictures read from disk and resized.
+
+use std::path::{Path, PathBuf};
+
+use proptest::prelude::*;
+use raggio_render::{Display, Film, FilmPixel, Image, ImageFile, ToneMapper};
+
+/// A film of 3x2 pixels whose means are exact in 8 bits: 0 or 1 in each channel.
+fn film() -> Film {
+    let mut film = Film::new(3, 2);
+    let pixels = film.pixels().iter().enumerate().map(|(i, pixel)| {
+        let sum = |bit: usize| raggio_kernels::FixedSum { low: 0, middle: ((i >> bit) as u32 & 1) << 8, high: 0 };
+        FilmPixel { red: sum(0), green: sum(1), blue: sum(2), samples: 1, ..*pixel }
+    });
+    film = Film::from_pixels(3, 2, pixels.collect());
+    film
+}
+
+fn write(folder: &Path, name: &str) -> PathBuf {
+    let path = folder.join(name);
+    let display = Display { tone_mapper: ToneMapper::None, ..Display::default() };
+    ImageFile::new(&path).expect("a format").write(&film(), display).expect("the picture is written");
+    path
+}
+
+/// The error's text, which begins with the file's name or says that it cannot be read.
+#[track_caller]
+fn refusal(path: &Path) -> String {
+    let error = Image::load(path).expect_err("the file is refused").to_string();
+    assert!(error.contains(&path.display().to_string()), "{error}");
+    error
+}
+
+#[test]
+fn what_is_written_is_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["picture.exr", "picture.png", "PICTURE.PNG"] {
+        assert_eq!(Image::load(&write(folder.path(), name)).expect("a picture"), film().mean(), "{name}");
+    }
+}
+
+#[test]
+fn png_values_become_linear() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("grey.png");
+    image::GrayImage::from_raw(2, 1, vec![128, 10]).expect("two pixels").save(&path).expect("a PNG");
+    let found = Image::load(&path).expect("a picture").pixels;
+    let expected = [0.215_860_5, 10.0 / 255.0 / 12.92];
+    for (found, expected) in found.into_iter().zip(expected) {
+        assert!(found.iter().all(|value| (value - expected).abs() < 1e-6), "expected {expected}, found {found:?}");
+    }
+}
+
+#[test]
+fn half_precision_is_read_and_what_is_no_number_is_black() {
+    use exr::prelude::{Image as ExrImage, SpecificChannels, Vec2, WritableImage, f16};
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("half.exr");
+    let pixel = |at: Vec2<usize>| (f16::from_f32(at.x() as f32 + 0.5), f16::NAN, f16::INFINITY);
+    let image = ExrImage::from_channels((4, 3), SpecificChannels::rgb(pixel));
+    image.write().to_file(&path).expect("an EXR");
+    let found = Image::load(&path).expect("a picture");
+    assert_eq!((found.width, found.height), (4, 3));
+    assert_eq!(found.pixels[6], [2.5, 0.0, 0.0]);
+}
+
+#[test]
+fn files_that_are_no_pictures_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    assert!(refusal(&path("none.exr")).starts_with("cannot read "));
+    assert!(refusal(&path("picture.jpg")).ends_with("the ending must be .exr (linear radiance) or .png (sRGB)"));
+    std::fs::create_dir(path("folder.png")).expect("a folder");
+    assert!(refusal(&path("folder.png")).starts_with("cannot read "));
+    for (name, kind) in [("text.exr", "an OpenEXR"), ("text.png", "a PNG")] {
+        std::fs::write(path(name), "not a picture").expect("a file");
+        let error = refusal(&path(name));
+        assert!(error.contains(&format!(": not {kind} image with red, green and blue that can be read: ")), "{error}");
+    }
+    // Cut short anywhere, a file is refused or, where only its end is missing, read.
+    for name in ["whole.exr", "whole.png"] {
+        let bytes = std::fs::read(write(folder.path(), name)).expect("the file");
+        for length in 0..bytes.len() {
+            std::fs::write(path(name), &bytes[..length]).expect("a file");
+            let loaded = Image::load(&path(name));
+            assert!(loaded.is_err() || length > bytes.len() / 2, "{name}, {length} of {} bytes", bytes.len());
+        }
+    }
+}
+
+/// A few bytes must not cost gigabytes.
+#[test]
+fn sizes_beyond_reason_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = write(folder.path(), "large.exr");
+    let mut bytes = std::fs::read(&path).expect("the file");
+    let key = b"dataWindow\0box2i\0";
+    let at = bytes.windows(key.len()).position(|window| window == key).expect("a data window") + key.len() + 4;
+    bytes[at + 8..at + 16].copy_from_slice(&[59_999u32.to_le_bytes(), 49_999u32.to_le_bytes()].concat());
+    std::fs::write(&path, &bytes).expect("a file");
+    let error = refusal(&path);
+    assert!(error.contains("60000x50000 pixels are more than the 67108864 that a reference image may have"), "{error}");
+
+    let path = write(folder.path(), "large.png");
+    let mut bytes = std::fs::read(&path).expect("the file");
+    bytes[16..24].copy_from_slice(&[60_000u32.to_be_bytes(), 50_000u32.to_be_bytes()].concat());
+    let checksum = crc(&bytes[12..29]).to_be_bytes();
+    bytes[29..33].copy_from_slice(&checksum);
+    std::fs::write(&path, &bytes).expect("a file");
+    let error = refusal(&path);
+    assert!(error.contains("60000x50000 pixels are more than"), "{error}");
+}
+
+/// The checksum of PNG's chunks.
+fn crc(bytes: &[u8]) -> u32 {
+    let step = |crc: u32, _| if crc & 1 == 1 { (crc >> 1) ^ 0xedb8_8320 } else { crc >> 1 };
+    !bytes.iter().fold(u32::MAX, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), step))
+}
+
+fn mean(image: &Image) -> [f64; 3] {
+    let count = image.pixels.len() as f64;
+    [0, 1, 2].map(|channel| image.pixels.iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>() / count)
+}
+
+proptest! {
+    #[test]
+    fn resizing_keeps_means_and_constants(
+        from in (1u32..40, 1u32..40),
+        to in (1u32..60, 1u32..60),
+        values in proptest::collection::vec([0.0f32..10.0, 0.0f32..1.0, -1.0f32..1.0], 1600),
+    ) {
+        let count = (from.0 * from.1) as usize;
+        let image = Image { width: from.0, height: from.1, pixels: values[..count].to_vec() };
+        let resized = image.resized(to.0, to.1);
+        prop_assert_eq!((resized.width, resized.height, resized.pixels.len() as u32), (to.0, to.1, to.0 * to.1));
+        for (before, after) in mean(&image).into_iter().zip(mean(&resized)) {
+            prop_assert!((before - after).abs() < 1e-6 * before.abs().max(1.0), "{} becomes {}", before, after);
+        }
+        let constant = Image { pixels: vec![[0.1, 2.5, 1e-6]; count], ..image.clone() };
+        for pixel in constant.resized(to.0, to.1).pixels {
+            for (found, expected) in pixel.into_iter().zip([0.1f32, 2.5, 1e-6]) {
+                prop_assert!((found - expected).abs() <= 2e-7 * expected);
+            }
+        }
+        prop_assert_eq!(image.resized(from.0, from.1), image);
+    }
+}
+
+#[test]
+fn resizing_averages_what_a_pixel_covers() {
+    let row = Image { width: 3, height: 1, pixels: [0.0, 3.0, 6.0].map(|v| [v; 3]).to_vec() };
+    let halves: Vec<f32> = row.resized(2, 1).pixels.iter().map(|pixel| pixel[0]).collect();
+    assert_eq!(halves, [1.0, 5.0]);
+}
