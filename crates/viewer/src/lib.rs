@@ -1,1 +1,86 @@
-//! The window of raggio.
+//! The window of raggio: fly through a scene while its picture converges, and edit it.
+//!
+//! `events -> commands -> viewer -> samples -> canvas`: panels, keys and scripts say [`command::Command`]s, the viewer
+//! alone changes anything, its tracer adds samples for as long as a frame has time, and a canvas shows the film with the
+//! panels over it. A window and the hidden canvas of benchmarks and tests take the same way.
+
+mod clock;
+mod command;
+pub mod document;
+mod error;
+mod export;
+mod hidden;
+mod input;
+mod kernels;
+mod look;
+mod names;
+pub mod navigation;
+mod notices;
+mod overlay;
+mod panel;
+mod pilot;
+mod play;
+mod screen;
+mod stage;
+mod tracer;
+mod viewer;
+mod watch;
+mod window;
+
+use std::path::PathBuf;
+
+use raggio_render::{DeviceChoice, OpenOptions};
+
+pub use clock::Pacing;
+pub use error::ViewError;
+
+/// What to view, and how.
+#[derive(Clone)]
+pub struct Options {
+    /// The scene's file.
+    pub scene: PathBuf,
+    /// What traces.
+    pub device: DeviceChoice,
+    /// How devices are opened.
+    pub open: OpenOptions,
+    /// Of the window: in points on a desktop, in pixels when hidden.
+    pub size: [u32; 2],
+    /// Pixels in a point; `None`: as the desktop says.
+    pub scale: Option<f32>,
+    /// A script to play.
+    pub play: Option<PathBuf>,
+    /// A folder of kernels to compile again whenever they change.
+    pub watch_kernels: Option<PathBuf>,
+    /// No window: the script is played on a canvas that nobody sees.
+    pub hidden: bool,
+}
+
+/// How it went.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// What traced.
+    pub device: String,
+    /// Frames of each section of the script.
+    pub pacing: Vec<Pacing>,
+    /// What failed in the end, in the words the user saw.
+    pub failures: Vec<String>,
+    /// What Vulkan's validation layers have said, if they were on.
+    pub validation_messages: Vec<String>,
+}
+
+impl Report {
+    fn of(viewer: &mut viewer::Viewer, validation_messages: Vec<String>) -> Self {
+        viewer.clock.enter(None);
+        Self {
+            device: viewer.tracer.device().name(),
+            pacing: viewer.clock.pacing(),
+            failures: viewer.notices.failures(),
+            validation_messages,
+        }
+    }
+}
+
+/// Shows a scene until the window is closed, or the script is over.
+pub fn view(options: &Options) -> Result<Report, ViewError> {
+    if options.hidden { hidden::run(options) } else { window::run(options) }
+}

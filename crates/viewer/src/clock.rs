@@ -1,0 +1,178 @@
+//! How long frames take: what the panel shows, and what benchmarks report.
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+/// No frame spends more seconds on samples, or the window would seem to hang.
+const SLOWEST: f64 = 0.1;
+
+/// At this many seconds from frame to frame motion still looks like motion.
+const FLUENT: f64 = 1.0 / 32.0;
+
+/// Part of a frame's time that is planned for: what comes a moment too late is shown a whole frame too late.
+const PUNCTUAL: f64 = 0.85;
+
+/// What frames are for at the moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// To follow hands at the display's own rate.
+    Display,
+    /// To follow them still, where a device needs the time to show more than mush.
+    Fluent,
+    /// Nobody moves anything: where frames are costly, as with a display drawn in software, fewer of them leave more time
+    /// for samples.
+    Alone,
+}
+
+/// Measures frames, and says how much of one may be spent on samples.
+pub struct Clock {
+    /// From one frame to the next, as the display wants it.
+    interval: Duration,
+    began: Instant,
+    /// Smoothed, from one frame's start to the next one's.
+    period: f64,
+    /// Smoothed, of everything in a frame but the samples.
+    overhead: f64,
+    sampled: f64,
+    /// Smoothed, of the seconds that samples took beyond what they were given.
+    excess: f64,
+    /// Of the section under way, in milliseconds.
+    frames: Option<Vec<f64>>,
+    section: String,
+    sections: BTreeMap<String, Vec<f64>>,
+}
+
+/// What became of the frames of one section of a script.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pacing {
+    /// As the script calls it.
+    pub section: String,
+    /// How many there were.
+    pub frames: usize,
+    /// Half of them took no longer, in milliseconds.
+    pub median: f64,
+    /// 99 of 100 took no longer, in milliseconds.
+    pub percentile_99: f64,
+    /// The longest, in milliseconds.
+    pub longest: f64,
+}
+
+impl Clock {
+    /// For a display with so many seconds from frame to frame.
+    pub fn new(interval: f64) -> Self {
+        Self {
+            interval: Duration::from_secs_f64(interval),
+            began: Instant::now(),
+            period: interval,
+            overhead: 0.2 * interval,
+            sampled: 0.0,
+            excess: 0.0,
+            frames: None,
+            section: String::new(),
+            sections: BTreeMap::new(),
+        }
+    }
+
+    /// The display has changed: so many seconds from frame to frame.
+    pub fn set_interval(&mut self, interval: f64) {
+        self.interval = Duration::from_secs_f64(interval);
+    }
+
+    /// A frame begins; returns the seconds since the last one did, at most a tenth of a second: after a pause nothing is
+    /// to jump.
+    pub fn begin(&mut self) -> f64 {
+        let now = Instant::now();
+        let elapsed = (now - self.began).as_secs_f64();
+        self.began = now;
+        if let Some(frames) = &mut self.frames {
+            frames.push(1000.0 * elapsed);
+        }
+        if elapsed < 0.5 {
+            self.period += 0.1 * (elapsed - self.period);
+        }
+        elapsed.min(0.1)
+    }
+
+    /// Seconds of this frame that samples may take.
+    pub fn budget(&self, pace: Pace) -> f64 {
+        let interval = self.interval.as_secs_f64();
+        let left = |interval: f64| (PUNCTUAL * interval - self.overhead - self.excess).max(0.25 * interval);
+        match pace {
+            Pace::Display => left(interval),
+            Pace::Fluent => left(interval.max(FLUENT)),
+            Pace::Alone => left(interval).max((3.0 * self.overhead).min(SLOWEST)),
+        }
+    }
+
+    /// So many seconds of this frame went into samples, which were given a `budget`.
+    pub fn sampled(&mut self, seconds: f64, budget: f64) {
+        self.sampled = seconds;
+        self.excess += 0.2 * ((seconds - budget).max(0.0) - self.excess);
+    }
+
+    /// The frame is done; it `waited` for the display.
+    pub fn end(&mut self, waited: Duration) {
+        let busy = self.began.elapsed().as_secs_f64();
+        let overhead = (busy - self.sampled - waited.as_secs_f64()).clamp(0.0, 0.1);
+        self.overhead += 0.2 * (overhead - self.overhead);
+        self.sampled = 0.0;
+    }
+
+    /// Frames per second, smoothed.
+    pub fn frames_per_second(&self) -> f64 {
+        1.0 / self.period.max(1e-6)
+    }
+
+    /// From here on frames belong to this section of the measurement; `None`: to none.
+    pub fn enter(&mut self, section: Option<String>) {
+        if let Some(frames) = self.frames.take() {
+            self.sections.entry(std::mem::take(&mut self.section)).or_default().extend(frames);
+        }
+        if let Some(section) = section {
+            self.section = section;
+            self.frames = Some(vec![]);
+        }
+    }
+
+    /// Of each section that is over, in alphabetical order.
+    pub fn pacing(&self) -> Vec<Pacing> {
+        let measured = self.sections.iter().filter(|(_, frames)| !frames.is_empty());
+        measured.map(|(section, frames)| pacing(section, frames)).collect()
+    }
+}
+
+fn pacing(section: &str, frames: &[f64]) -> Pacing {
+    let mut sorted = frames.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    // The smallest value that so many of 100 do not exceed.
+    let percentile = |p: usize| sorted[(sorted.len() * p).div_ceil(100).max(1) - 1];
+    Pacing {
+        section: section.to_owned(),
+        frames: sorted.len(),
+        median: percentile(50),
+        percentile_99: percentile(99),
+        longest: percentile(100),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_are_of_the_frames_measured() {
+        let frames: Vec<f64> = (1..=200).rev().map(f64::from).collect();
+        let found = pacing("moving", &frames);
+        assert_eq!((found.frames, found.median, found.percentile_99, found.longest), (200, 100.0, 198.0, 200.0));
+        assert_eq!(pacing("one", &[7.0]).percentile_99, 7.0);
+    }
+
+    #[test]
+    fn samples_never_get_less_than_a_quarter_of_a_frame() {
+        let mut clock = Clock::new(0.016);
+        assert!(clock.budget(Pace::Display) < 0.016 && clock.budget(Pace::Fluent) > 0.016);
+        clock.overhead = 1.0;
+        assert_eq!(clock.budget(Pace::Display), 0.004);
+        assert_eq!(clock.budget(Pace::Alone), SLOWEST);
+    }
+}

@@ -1,0 +1,186 @@
+//! Edits that take the scene's plain data and touch only the keys whose values change.
+
+use raggio_scene::{Camera, Environment, Geometry, Material, RenderSettings, Scene};
+use toml_edit::{DocumentMut, InlineTable, Item, Table};
+
+use super::error::item;
+use super::fields::{self, Field, kind};
+use super::{Document, EditError, lists, tree};
+
+/// Each returns whether the text changed; a new value equal to the old one is no change and no step to undo.
+///
+/// Every one fails with [`EditError::Scene`] when the result would not be a valid scene, and with [`EditError::Missing`]
+/// when an index is out of range; nothing changes then.
+impl Document {
+    /// Moves the camera. `focus_distance` stays out of a file that does not have it while it is the distance of the
+    /// point looked at.
+    pub fn set_camera(&mut self, new: &Camera) -> Result<bool, EditError> {
+        self.edit("camera", |toml, scene| {
+            write_section(toml, "camera", &fields::camera(&scene.camera, new));
+            Ok(())
+        })
+    }
+
+    /// Changes a material, all but its name.
+    pub fn set_material(&mut self, index: usize, new: &Material) -> Result<bool, EditError> {
+        let old = item(&self.scene.materials, index, "material")?;
+        let name = format!("material {}", old.name);
+        self.edit(&name, |toml, scene| {
+            let old = item(&scene.materials, index, "material")?;
+            let table = toml.get_mut("materials").and_then(|materials| tree::child(materials, &old.name));
+            if let Some(table) = table {
+                tree::write_fields(table, &fields::material(old, new));
+            }
+            Ok(())
+        })
+    }
+
+    /// Adds a material and returns its index. Where `name` is taken (or empty) a free one like it is given.
+    pub fn add_material(&mut self, name: &str, material: &Material) -> Result<usize, EditError> {
+        let name = free_name(&self.scene, name);
+        self.edit(&format!("add material {name}"), |toml, _| {
+            add_material(toml, &name, &fields::material(material, material));
+            Ok(())
+        })?;
+        let place = self.scene.materials.iter().position(|material| material.name == name);
+        place.ok_or(EditError::Missing { what: "material", index: 0, count: self.scene.materials.len() })
+    }
+
+    /// Changes a shape's geometry, which may become one of another kind, and its material.
+    pub fn set_shape(&mut self, index: usize, new: &Geometry, material: usize) -> Result<bool, EditError> {
+        let name = change_of_shape(&self.scene, index, new)?;
+        self.edit(&name, |toml, scene| {
+            let old = item(&scene.shapes, index, "shape")?;
+            let named = item(&scene.materials, material, "material")?;
+            let Some(table) = lists::shape(toml, index) else { return Ok(()) };
+            if material != old.material
+                && let Some(Item::Value(value)) = tree::child(table, "material")
+            {
+                tree::replace(value, named.name.as_str().into());
+            }
+            write_geometry(table, &old.geometry, new);
+            Ok(())
+        })
+    }
+
+    /// Adds a shape and returns its index, which is the last.
+    pub fn add_shape(&mut self, geometry: &Geometry, material: usize) -> Result<usize, EditError> {
+        self.edit(&format!("add {}", kind(geometry)), |toml, scene| {
+            let named = item(&scene.materials, material, "material")?;
+            let mut table = Item::Value(InlineTable::new().into());
+            tree::insert(&mut table, "material", named.name.as_str().into());
+            tree::insert(&mut table, kind(geometry), tree::inline_table(&fields::geometry(geometry, geometry)));
+            if let Item::Value(toml_edit::Value::InlineTable(table)) = table {
+                lists::push(toml, table);
+            }
+            Ok(())
+        })?;
+        Ok(self.scene.shapes.len().saturating_sub(1))
+    }
+
+    /// Removes a shape, with the comments right before it. Its material stays.
+    pub fn remove_shape(&mut self, index: usize) -> Result<bool, EditError> {
+        let name = format!("remove {}", kind(&item(&self.scene.shapes, index, "shape")?.geometry));
+        self.edit(&name, |toml, _| {
+            lists::remove(toml, index);
+            Ok(())
+        })
+    }
+
+    /// Adds a copy of a shape in the same place and returns its index, which is the last.
+    pub fn duplicate_shape(&mut self, index: usize) -> Result<usize, EditError> {
+        let name = format!("duplicate {}", kind(&item(&self.scene.shapes, index, "shape")?.geometry));
+        self.edit(&name, |toml, _| {
+            lists::push_copy(toml, index);
+            Ok(())
+        })?;
+        Ok(self.scene.shapes.len().saturating_sub(1))
+    }
+
+    /// Changes the light from outside. A file without `[environment]` gets one when it is no longer black.
+    pub fn set_environment(&mut self, new: &Environment) -> Result<bool, EditError> {
+        self.edit("environment", |toml, scene| {
+            if *new != scene.environment {
+                write_section(toml, "environment", &fields::environment(&scene.environment, new));
+            }
+            Ok(())
+        })
+    }
+
+    /// Changes size and quality of the picture.
+    pub fn set_render(&mut self, new: &RenderSettings) -> Result<bool, EditError> {
+        self.edit("render settings", |toml, scene| {
+            if *new != scene.render {
+                write_section(toml, "render", &fields::render(&scene.render, new));
+            }
+            Ok(())
+        })
+    }
+}
+
+fn write_section(toml: &mut DocumentMut, key: &str, fields: &[Field]) {
+    tree::write_fields(section(toml, key), fields);
+}
+
+/// A table of the scene's own; if it is not there it is added beside that of the camera, which every scene has.
+pub(super) fn section<'a>(toml: &'a mut DocumentMut, key: &str) -> &'a mut Item {
+    let camera = toml.get("camera").and_then(Item::as_table).and_then(Table::position);
+    // Of two tables with one place, the one that was added is written last.
+    let place = camera.map(|place| if key == "render" { place - 1 } else { place });
+    toml.entry(key).or_insert_with(|| {
+        let mut table = Table::new();
+        table.set_position(place);
+        Item::Table(table)
+    })
+}
+
+/// In the way in which the last material is written.
+fn add_material(toml: &mut DocumentMut, name: &str, fields: &[Field]) {
+    let materials = toml.entry("materials").or_insert_with(|| {
+        let mut table = Table::new();
+        table.set_implicit(true);
+        Item::Table(table)
+    });
+    let has_header = |item: &Item| item.as_table().is_some_and(|table| !table.is_dotted());
+    match materials {
+        Item::Table(table) if !table.is_dotted() && table.iter().last().is_none_or(|(_, last)| has_header(last)) => {
+            table.insert(name, tree::table(fields));
+        }
+        _ => tree::insert(materials, name, tree::inline_table(fields)),
+    }
+}
+
+/// `name`, or `name_2`, `name_3` and so on.
+fn free_name(scene: &Scene, name: &str) -> String {
+    let is_free = |name: &str| scene.materials.iter().all(|material| material.name != name);
+    let name = if name.trim().is_empty() { "material" } else { name.trim() };
+    if is_free(name) {
+        return name.to_string();
+    }
+    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let stem = stem.strip_suffix('_').filter(|stem| !stem.is_empty() && stem.len() + 1 < name.len()).unwrap_or(name);
+    let mut names = (2..=scene.materials.len() + 2).map(|number| format!("{stem}_{number}"));
+    names.find(|name| is_free(name)).unwrap_or_else(|| stem.to_string())
+}
+
+/// What the change is called.
+fn change_of_shape(scene: &Scene, index: usize, new: &Geometry) -> Result<String, EditError> {
+    let old = &item(&scene.shapes, index, "shape")?.geometry;
+    let verb = if old == new {
+        "paint"
+    } else if fields::is_moved(old, new) {
+        "move"
+    } else {
+        "change"
+    };
+    Ok(format!("{verb} {}", kind(old)))
+}
+
+fn write_geometry(shape: &mut Item, old: &Geometry, new: &Geometry) {
+    if kind(old) != kind(new) {
+        tree::remove(shape, kind(old));
+        tree::insert(shape, kind(new), tree::inline_table(&fields::geometry(new, new)));
+    } else if let Some(table) = tree::child(shape, kind(old)) {
+        tree::write_fields(table, &fields::geometry(old, new));
+    }
+}

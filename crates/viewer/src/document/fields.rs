@@ -1,0 +1,141 @@
+//! The parts of a scene as keys of the file: what each said, what it shall say, what its absence says.
+
+use raggio_scene::{Camera, Environment, Filter, Geometry, Material, Reflection, RenderSettings, Vec3};
+
+use crate::navigation::view_distance;
+
+/// A value as the file would hold it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Datum {
+    /// No value: the key is not there.
+    Absent,
+    Number(f32),
+    Vector(Vec3),
+    Whole(i64),
+    Word(&'static str),
+    Flag(bool),
+}
+
+/// One key of a table. It is written when it is there and `new` differs from `old`, or when it is not there and `new`
+/// differs from what its absence means beside the new values of the other keys.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Field {
+    pub(super) key: &'static str,
+    pub(super) old: Datum,
+    pub(super) new: Datum,
+    pub(super) absent: Datum,
+}
+
+/// A key that is the same function of the old and the new whole.
+fn field<T>(key: &'static str, old: &T, new: &T, absent: Datum, datum: impl Fn(&T) -> Datum) -> Field {
+    Field { key, old: datum(old), new: datum(new), absent }
+}
+
+pub(super) fn camera(old: &Camera, new: &Camera) -> Vec<Field> {
+    use Datum::{Absent, Number, Vector};
+    vec![
+        field("position", old, new, Absent, |it| Vector(it.position)),
+        field("look_at", old, new, Absent, |it| Vector(it.look_at)),
+        field("up", old, new, Vector(Vec3::Y), |it| Vector(it.up)),
+        field("vertical_fov_degrees", old, new, Absent, |it| Number(it.vertical_fov_degrees)),
+        field("aperture_radius", old, new, Number(0.0), |it| Number(it.aperture_radius)),
+        field("focus_distance", old, new, Number(view_distance(new)), |it| Number(it.focus_distance)),
+    ]
+}
+
+pub(super) fn material(old: &Material, new: &Material) -> Vec<Field> {
+    use Datum::{Absent, Number, Vector, Whole, Word};
+    // As the reader has it: a lamp is black unless told otherwise.
+    let color = if new.emission_strength > 0.0 { 0.0 } else { 0.8 };
+    vec![
+        field("color", old, new, Vector(Vec3::splat(color)), |it| Vector(it.color)),
+        field("emission_color", old, new, Vector(Vec3::ONE), |it| Vector(it.emission_color)),
+        field("emission_strength", old, new, Number(0.0), |it| Number(it.emission_strength)),
+        field("smoothness", old, new, Number(0.0), |it| Number(it.smoothness)),
+        field("refractive_index", old, new, Absent, |it| it.refractive_index.map_or(Absent, Number)),
+        field("reflection", old, new, Word("fresnel"), |it| match it.reflection {
+            Reflection::Fresnel => Word("fresnel"),
+            Reflection::Probability(probability) => Number(probability),
+        }),
+        field("priority", old, new, Whole(0), |it| Whole(it.priority.into())),
+    ]
+}
+
+pub(super) fn environment(old: &Environment, new: &Environment) -> Vec<Field> {
+    use Datum::{Absent, Vector};
+    vec![
+        field("color", old, new, Absent, |it| match it {
+            Environment::Constant(color) => Vector(*color),
+            Environment::Gradient { .. } => Absent,
+        }),
+        field("horizon", old, new, Absent, |it| match it {
+            Environment::Constant(_) => Absent,
+            Environment::Gradient { horizon, .. } => Vector(*horizon),
+        }),
+        field("zenith", old, new, Absent, |it| match it {
+            Environment::Constant(_) => Absent,
+            Environment::Gradient { zenith, .. } => Vector(*zenith),
+        }),
+    ]
+}
+
+pub(super) fn render(old: &RenderSettings, new: &RenderSettings) -> Vec<Field> {
+    use Datum::{Flag, Whole, Word};
+    let default = RenderSettings::default();
+    let whole = |key, number: fn(&RenderSettings) -> u32| {
+        field(key, old, new, Whole(number(&default).into()), |it| Whole(number(it).into()))
+    };
+    vec![
+        whole("width", |it| it.width),
+        whole("height", |it| it.height),
+        whole("samples", |it| it.samples),
+        whole("max_depth", |it| it.max_depth),
+        whole("seed", |it| it.seed),
+        field("filter", old, new, Word("box"), |it| match it.filter {
+            Filter::Box => Word("box"),
+            Filter::Point => Word("point"),
+        }),
+        field("surface_offset", old, new, Flag(true), |it| Flag(it.surface_offset)),
+    ]
+}
+
+/// The key of a shape's table under which its geometry stands.
+pub(super) fn kind(geometry: &Geometry) -> &'static str {
+    match geometry {
+        Geometry::Sphere { .. } => "sphere",
+        Geometry::Plane { .. } => "plane",
+        Geometry::Rectangle { .. } => "rectangle",
+        Geometry::Box { .. } => "box",
+    }
+}
+
+/// The keys of two geometries of one kind.
+pub(super) fn geometry(old: &Geometry, new: &Geometry) -> Vec<Field> {
+    let (old, new) = (data(old), data(new));
+    let pairs = old.into_iter().zip(new);
+    pairs.map(|((key, old), (_, new))| Field { key, old, new, absent: absent(key) }).collect()
+}
+
+fn data(geometry: &Geometry) -> Vec<(&'static str, Datum)> {
+    use Datum::{Number, Vector};
+    match *geometry {
+        Geometry::Sphere { center, radius } => vec![("center", Vector(center)), ("radius", Number(radius))],
+        Geometry::Plane { point, normal } => vec![("point", Vector(point)), ("normal", Vector(normal))],
+        Geometry::Rectangle { corner, edge_u, edge_v } => {
+            vec![("corner", Vector(corner)), ("edge_u", Vector(edge_u)), ("edge_v", Vector(edge_v))]
+        }
+        Geometry::Box { center, size, rotation_degrees } => {
+            vec![("center", Vector(center)), ("size", Vector(size)), ("rotation_degrees", Vector(rotation_degrees))]
+        }
+    }
+}
+
+fn absent(key: &str) -> Datum {
+    if key == "rotation_degrees" { Datum::Vector(Vec3::ZERO) } else { Datum::Absent }
+}
+
+/// Whether one geometry is the other in another place.
+pub(super) fn is_moved(old: &Geometry, new: &Geometry) -> bool {
+    // The place is the first key of every kind.
+    kind(old) == kind(new) && data(old)[1..] == data(new)[1..]
+}

@@ -1,0 +1,57 @@
+//! Pictures on their way to files.
+
+use std::path::Path;
+use std::time::Instant;
+
+use raggio_render::{DeviceScene, Display, ImageFile, Renderer};
+
+use crate::error::ViewError;
+use crate::tracer::Tracer;
+
+/// A picture that is rendered for a file alone, at a size and number of samples of its own.
+pub struct Export {
+    file: ImageFile,
+    renderer: Renderer,
+    display: Display,
+}
+
+impl Export {
+    /// Of what `tracer` shows, in `size` pixels.
+    pub fn begin(
+        file: ImageFile,
+        tracer: &Tracer,
+        size: [u32; 2],
+        samples: u32,
+        display: Display,
+    ) -> Result<Self, ViewError> {
+        raggio_render::check_memory(size[0], size[1])?;
+        let mut scene = tracer.scene().clone();
+        [scene.render.width, scene.render.height] = size;
+        let session = tracer.device().load(&DeviceScene::new(&scene)?)?;
+        Ok(Self { file, renderer: Renderer::new(session, size[0], size[1], samples), display })
+    }
+
+    /// Spends about `seconds` on it; true when the file is written.
+    pub fn advance(&mut self, seconds: f64) -> Result<bool, ViewError> {
+        let start = Instant::now();
+        while !self.renderer.finished() {
+            let left = seconds - start.elapsed().as_secs_f64();
+            if left <= 0.05 * seconds {
+                return Ok(false);
+            }
+            self.renderer.advance_for(left)?;
+        }
+        self.file.write(&self.renderer.film()?, self.display)?;
+        Ok(true)
+    }
+
+    /// How much is done, 0 to 1.
+    pub fn fraction(&self) -> f32 {
+        self.renderer.progress().fraction as f32
+    }
+
+    /// Where it goes.
+    pub fn path(&self) -> &Path {
+        self.file.path()
+    }
+}

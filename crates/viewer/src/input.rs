@@ -1,0 +1,131 @@
+//! From egui's events to what they mean in the picture.
+
+use egui::{Event, Key, Modifiers as Held, PointerButton, Rect, Response, Ui, Vec2};
+use raggio_scene::Vec3;
+
+use crate::command::{Command, Navigate};
+use crate::navigation::{Button, Modifiers};
+use crate::pilot::Hands;
+
+/// Pixels of scrolling in a notch of the wheel, as egui counts them.
+const NOTCH: f32 = 40.0;
+
+/// What happened in the picture during one frame.
+#[derive(Clone, Debug, Default)]
+pub struct Input {
+    /// For the camera.
+    pub hands: Hands,
+    /// A click, 0 to 1 from the picture's top left.
+    pub clicked: Option<[f32; 2]>,
+    /// The second of two clicks.
+    pub double_clicked: Option<[f32; 2]>,
+    /// What keys ask for.
+    pub commands: Vec<Command>,
+}
+
+/// Reads the frame's events; `area` is where the picture is, in points.
+pub fn read(ui: &Ui, area: Rect) -> Input {
+    let response = ui.interact(area, ui.id().with("picture"), egui::Sense::click_and_drag());
+    // Escape ends typing before this is asked, so that what was true a frame ago counts too.
+    let was_typing = ui.id().with("typing");
+    let now = ui.ctx().text_edit_focused();
+    let typing = now || ui.data(|data| data.get_temp(was_typing).unwrap_or(false));
+    ui.data_mut(|data| data.insert_temp(was_typing, now));
+    let mut input = Input { hands: hands(ui, &response, area, typing), ..Input::default() };
+    let at = response.interact_pointer_pos().map(|at| part(at - area.min, area));
+    if response.double_clicked() {
+        input.double_clicked = at;
+    } else if response.clicked() {
+        input.clicked = at;
+    }
+    if let Some(at) = input.clicked.filter(|_| !typing && ui.input(|i| i.key_down(Key::F))) {
+        input.clicked = None;
+        input.commands.push(Command::Navigate(Navigate::FocusAt(at)));
+    }
+    if !typing {
+        ui.input_mut(|i| keys(i, &mut input.commands));
+    }
+    let dropped = ui.input(|i| i.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect::<Vec<_>>());
+    input.commands.extend(dropped.into_iter().map(Command::Open));
+    input
+}
+
+fn hands(ui: &Ui, response: &Response, area: Rect, typing: bool) -> Hands {
+    ui.input(|i| {
+        let buttons = [
+            (PointerButton::Primary, Button::Left),
+            (PointerButton::Middle, Button::Middle),
+            (PointerButton::Secondary, Button::Right),
+        ];
+        let down = buttons.into_iter().find(|(button, _)| i.pointer.button_down(*button)).map(|(_, button)| button);
+        let held = down.filter(|_| response.is_pointer_button_down_on());
+        // A hand that clicks trembles a little; egui tells a drag from that.
+        let moved =
+            if held.is_some() && response.dragged() { i.pointer.delta() / area.height().max(1.0) } else { Vec2::ZERO };
+        // With Shift the wheel scrolls sideways.
+        let scrolled = if response.hovered() { i.smooth_scroll_delta.x + i.smooth_scroll_delta.y } else { 0.0 };
+        let cursor = i.pointer.latest_pos().filter(|_| response.hovered() || held.is_some());
+        Hands {
+            cursor: cursor.map(|at| part(at - area.min, area)),
+            held,
+            modifiers: Modifiers { shift: i.modifiers.shift, ctrl: i.modifiers.command, alt: i.modifiers.alt },
+            moved: moved.into(),
+            wheel: scrolled / NOTCH,
+            fly: if typing || i.modifiers.command { Vec3::ZERO } else { flight(i) },
+        }
+    })
+}
+
+fn flight(i: &egui::InputState) -> Vec3 {
+    let axis =
+        |positive, negative| f32::from(u8::from(i.key_down(positive))) - f32::from(u8::from(i.key_down(negative)));
+    Vec3::new(axis(Key::D, Key::A), axis(Key::E, Key::Q), axis(Key::W, Key::S))
+}
+
+/// Keys that do something once.
+fn keys(i: &mut egui::InputState, commands: &mut Vec<Command>) {
+    let plain = [
+        (Key::F1, Command::Help),
+        (Key::F2, Command::Panels),
+        (Key::F5, Command::Reload),
+        (Key::F12, Command::Screenshot(None)),
+        (Key::Space, Command::Pause),
+        (Key::R, Command::Restart),
+        (Key::Home, Command::Navigate(Navigate::Home)),
+        (Key::Delete, Command::RemoveSelected),
+        (Key::Escape, Command::Select(None)),
+    ];
+    let with_control = [
+        (Held::COMMAND | Held::SHIFT, Key::Z, Command::Redo),
+        (Held::COMMAND, Key::Z, Command::Undo),
+        (Held::COMMAND, Key::Y, Command::Redo),
+        (Held::COMMAND, Key::S, Command::Save(None)),
+    ];
+    let plain = plain.into_iter().map(|(key, command)| (Held::NONE, key, command));
+    for (held, key, command) in with_control.into_iter().chain(plain) {
+        // A key that is held down repeats: only undo and redo are worth that.
+        let repeats = |event: &Event| matches!(event, Event::Key { key: k, repeat: true, .. } if *k == key);
+        let again = i.events.iter().any(repeats) && !matches!(command, Command::Undo | Command::Redo);
+        if i.consume_key(held, key) && !again {
+            commands.push(command);
+        }
+    }
+    let numbers = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
+    for (number, key) in (1..).zip(numbers) {
+        if i.consume_key(Held::COMMAND, key) {
+            commands.push(Command::Navigate(Navigate::Store(number)));
+        } else if i.consume_key(Held::NONE, key) {
+            commands.push(Command::Navigate(Navigate::Recall(number)));
+        }
+    }
+    commands.extend(i.events.iter().filter_map(|event| match event {
+        Event::Copy => Some(Command::CopyCamera),
+        Event::Paste(text) => Some(Command::PasteCamera(text.clone())),
+        _ => None,
+    }));
+}
+
+/// 0 to 1 from the area's top left.
+fn part(at: Vec2, area: Rect) -> [f32; 2] {
+    [(at.x / area.width().max(1.0)).clamp(0.0, 1.0), (at.y / area.height().max(1.0)).clamp(0.0, 1.0)]
+}

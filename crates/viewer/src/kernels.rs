@@ -1,0 +1,141 @@
+//! Kernels that are edited while they run.
+
+use std::path::Path;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread;
+
+use raggio_kernels::compile;
+
+use crate::error::ViewError;
+use crate::watch::Watch;
+
+/// SPIR-V, or what is wrong with the kernels, in the words of their compiler.
+type Outcome = Result<Vec<u8>, String>;
+
+/// Compiles the kernels of a folder whenever they change, beside the frames.
+pub struct KernelWatch {
+    watch: Watch,
+    /// To the thread that compiles; it ends when this goes. Attempts are numbered.
+    ask: Sender<u64>,
+    answers: Receiver<(u64, Outcome)>,
+    asked: u64,
+    answered: u64,
+}
+
+impl KernelWatch {
+    /// `wake` is called after each change and each compilation: [`poll`](Self::poll) then.
+    pub fn new(folder: &Path, wake: impl Fn() + Send + Clone + 'static) -> Result<Self, ViewError> {
+        let unwatched = |error: notify::Error| ViewError::File {
+            path: folder.to_owned(),
+            message: format!("changes of the kernels are not noticed: {error}"),
+        };
+        let watch = Watch::files_below(folder, "slang", wake.clone()).map_err(unwatched)?;
+
+        let (ask, requests) = channel();
+        let (answer, answers) = channel();
+        let folder = folder.to_owned();
+        thread::spawn(move || {
+            while let Ok(request) = requests.recv() {
+                // Of the changes during the last compilation, the newest counts.
+                let attempt = requests.try_iter().last().unwrap_or(request);
+                let outcome = compile::spirv(&folder).map_err(|error| brief(&error.to_string()));
+                if answer.send((attempt, outcome)).is_err() {
+                    return;
+                }
+                wake();
+            }
+        });
+        Ok(Self { watch, ask, answers, asked: 0, answered: 0 })
+    }
+
+    /// The kernels as they are after the latest change, once, when they are compiled.
+    pub fn poll(&mut self) -> Option<Outcome> {
+        if self.watch.changed() {
+            self.asked += 1;
+            // The thread listens for as long as `self` is there.
+            let _ = self.ask.send(self.asked);
+        }
+        let (attempt, outcome) = self.answers.try_iter().last()?;
+        self.answered = attempt;
+        // What has changed since is being compiled.
+        (attempt == self.asked).then_some(outcome)
+    }
+
+    /// A change is settling, or being compiled.
+    pub fn is_waiting(&self) -> bool {
+        self.watch.is_waiting() || self.answered < self.asked
+    }
+}
+
+/// Up to the second error: from there on it is mostly files that import the wrong one.
+fn brief(messages: &str) -> String {
+    let mut errors = 0;
+    let lines = messages.lines().take_while(|line| {
+        errors += usize::from(line.starts_with("error") || line.starts_with("fatal error"));
+        errors < 2
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::time::{Duration, Instant};
+
+    use super::*;
+
+    /// Polls until `answer` knows.
+    fn wait_for<T>(watch: &mut KernelWatch, answer: impl Fn(&mut KernelWatch) -> Option<T>) -> T {
+        let deadline = Instant::now() + Duration::from_secs(120);
+        loop {
+            if let Some(answer) = answer(watch) {
+                return answer;
+            }
+            assert!(Instant::now() < deadline, "nothing happens");
+            thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    fn copy(from: &Path, to: &Path) -> std::io::Result<()> {
+        fs::create_dir_all(to)?;
+        for entry in fs::read_dir(from)? {
+            let from = entry?.path();
+            let to = to.join(from.file_name().unwrap_or_default());
+            if from.is_dir() { copy(&from, &to)? } else { fs::copy(&from, &to).map(drop)? }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn the_newest_kernels_are_handed_out_once() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        copy(Path::new(compile::FOLDER), folder.path()).expect("a copy of the kernels");
+        let camera = folder.path().join("camera.slang");
+        let source = fs::read_to_string(&camera).expect("the camera's file");
+        let write = |text: &str| fs::write(&camera, text).expect("the copy can be written");
+
+        let (waker, woken) = channel();
+        let wake = move || waker.send(()).unwrap_or_default();
+        let mut watch = KernelWatch::new(folder.path(), wake).expect("the folder can be watched");
+        assert_eq!(watch.poll(), None);
+        assert!(!watch.is_waiting());
+
+        write("float broken( {");
+        let error = wait_for(&mut watch, KernelWatch::poll).expect_err("this is not Slang");
+        assert!(error.contains("camera.slang:1") && error.matches("error").count() == 1, "{error}");
+        assert!(woken.try_iter().count() > 1, "a change and a compilation wake");
+
+        // The second change comes while the first is being compiled.
+        write(&source.replace("2.0 *", "3.0 *"));
+        wait_for(&mut watch, |watch| {
+            assert_eq!(watch.poll(), None);
+            (watch.asked == 2).then_some(())
+        });
+        write(&source);
+        assert!(watch.is_waiting());
+        let code = wait_for(&mut watch, KernelWatch::poll).expect("the kernels compile");
+        assert!(code == raggio_kernels::SPIRV);
+        assert_eq!(watch.poll(), None);
+        assert!(!watch.is_waiting());
+    }
+}

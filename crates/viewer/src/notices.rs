@@ -1,0 +1,114 @@
+//! What the viewer has to say: shown over the picture, at the bottom left.
+
+use std::time::{Duration, Instant};
+
+/// How long something merely worth knowing stays.
+const BRIEF: Duration = Duration::from_secs(6);
+
+/// Sentences for the user.
+#[derive(Default)]
+pub struct Notices {
+    all: Vec<Notice>,
+    failures: Vec<String>,
+}
+
+/// One sentence.
+#[derive(Clone, Debug)]
+pub struct Notice {
+    /// What is said.
+    pub text: String,
+    /// How much it matters.
+    pub kind: Kind,
+    since: Instant,
+}
+
+/// How much a notice matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Goes by itself.
+    Done,
+    /// Stays until it is sent away.
+    Warning,
+    /// Of the scene; stays as long as it is true.
+    Scene,
+    /// Stays until it is sent away, or something succeeds.
+    Error,
+    /// Stays until the file is right.
+    Fault,
+}
+
+impl Notices {
+    /// Something was done.
+    pub fn done(&mut self, text: impl Into<String>) {
+        self.say(Kind::Done, text.into());
+    }
+
+    /// Something may not be meant.
+    pub fn warn(&mut self, text: impl Into<String>) {
+        self.say(Kind::Warning, text.into());
+    }
+
+    /// Something that was asked for cannot be done.
+    pub fn fail(&mut self, text: impl ToString) {
+        self.failures.push(text.to_string());
+        self.say(Kind::Error, text.to_string());
+    }
+
+    /// A file that others change is wrong at the moment.
+    pub fn fault(&mut self, text: impl ToString) {
+        self.say(Kind::Fault, text.to_string());
+    }
+
+    /// Files are right again.
+    pub fn mended(&mut self) {
+        self.all.retain(|notice| notice.kind != Kind::Fault);
+    }
+
+    /// What is worth a second look in the scene as it is now.
+    pub fn warn_of_scene(&mut self, warnings: &[String]) {
+        self.all.retain(|notice| notice.kind != Kind::Scene || warnings.contains(&notice.text));
+        for warning in warnings {
+            if self.all.iter().all(|notice| notice.text != *warning) {
+                self.say(Kind::Scene, warning.clone());
+            }
+        }
+    }
+
+    /// Something was done after all: what failed before is no news any more.
+    pub fn forgive(&mut self) {
+        self.all.retain(|notice| notice.kind != Kind::Error);
+    }
+
+    /// Sends one away.
+    pub fn dismiss(&mut self, index: usize) {
+        if index < self.all.len() {
+            self.all.remove(index);
+        }
+    }
+
+    /// The current ones, the oldest first.
+    pub fn current(&mut self) -> &[Notice] {
+        self.all.retain(|notice| notice.kind != Kind::Done || notice.since.elapsed() < BRIEF);
+        &self.all
+    }
+
+    /// Everything that was asked for and could not be done, and what is wrong now.
+    pub fn failures(&self) -> Vec<String> {
+        let faults = self.all.iter().filter(|notice| notice.kind == Kind::Fault).map(|notice| notice.text.clone());
+        self.failures.iter().cloned().chain(faults).collect()
+    }
+
+    /// One of them goes by itself before long.
+    pub fn is_waiting(&self) -> bool {
+        self.all.iter().any(|notice| notice.kind == Kind::Done)
+    }
+
+    fn say(&mut self, kind: Kind, text: String) {
+        self.all.retain(|notice| notice.text != text);
+        self.all.push(Notice { text, kind, since: Instant::now() });
+        // What piles up is read by nobody.
+        const MOST: usize = 6;
+        let too_many = self.all.len().saturating_sub(MOST);
+        self.all.drain(..too_many);
+    }
+}

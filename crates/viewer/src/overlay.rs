@@ -1,0 +1,87 @@
+//! What is drawn over the picture: the chosen shape's box, and what the viewer has to say.
+
+use egui::{Align2, Area, Color32, Frame, Pos2, Rect, RichText, Stroke, Ui, vec2};
+use raggio_render::bounds;
+use raggio_scene::{Camera, Vec3};
+
+use crate::navigation::axes;
+use crate::notices::Kind;
+use crate::viewer::Viewer;
+
+/// Where the picture goes in the room that the panels leave.
+pub fn place(room: Rect, viewer: &Viewer) -> Rect {
+    let [width, height] = viewer.proportions(room.width(), room.height());
+    Rect::from_center_size(room.center(), vec2(width, height))
+}
+
+/// Draws over the picture in `area`.
+pub fn show(ui: &Ui, area: Rect, viewer: &mut Viewer) {
+    if let Some((low, high)) = viewer.selection.and_then(|shape| bounds(&viewer.scene().shapes[shape].geometry)) {
+        let painter = ui.painter().with_clip_rect(area);
+        for line in edges(low, high) {
+            if let Some(line) = seen(line, viewer.camera(), area) {
+                painter.line_segment(line, Stroke::new(3.0, Color32::from_black_alpha(120)));
+                painter.line_segment(line, Stroke::new(1.2, Color32::from_rgb(0xff, 0xb0, 0x40)));
+            }
+        }
+    }
+    notices(ui, area, viewer);
+}
+
+fn notices(ui: &Ui, area: Rect, viewer: &mut Viewer) {
+    let mut dismissed = None;
+    let corner = area.left_bottom() + vec2(12.0, -12.0);
+    Area::new("notices".into()).pivot(Align2::LEFT_BOTTOM).fixed_pos(corner).show(ui.ctx(), |ui| {
+        ui.set_max_width((area.width() - 24.0).clamp(120.0, 620.0));
+        for (index, notice) in viewer.notices.current().iter().enumerate() {
+            let color = match notice.kind {
+                Kind::Done => Color32::from_rgb(0xd8, 0xd8, 0xd4),
+                Kind::Warning | Kind::Scene => Color32::from_rgb(0xff, 0xd0, 0x70),
+                Kind::Error | Kind::Fault => Color32::from_rgb(0xff, 0x90, 0x80),
+            };
+            Frame::popup(ui.style()).show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    if notice.kind != Kind::Done && ui.small_button("x").clicked() {
+                        dismissed = Some(index);
+                    }
+                    ui.add(egui::Label::new(RichText::new(&notice.text).color(color)).wrap());
+                });
+            });
+        }
+    });
+    if let Some(index) = dismissed {
+        viewer.notices.dismiss(index);
+    }
+}
+
+/// The twelve edges of a box.
+fn edges(low: Vec3, high: Vec3) -> impl Iterator<Item = [Vec3; 2]> {
+    let corner = move |i: usize| {
+        let side = |axis: usize| if i >> axis & 1 == 0 { low[axis] } else { high[axis] };
+        Vec3::new(side(0), side(1), side(2))
+    };
+    (0..8).flat_map(move |i| {
+        (0..3).filter(move |axis| i >> axis & 1 == 0).map(move |axis| [corner(i), corner(i | 1 << axis)])
+    })
+}
+
+/// A line of the scene as the camera sees it; `None` if it is behind.
+fn seen(line: [Vec3; 2], camera: &Camera, area: Rect) -> Option<[Pos2; 2]> {
+    let axes = axes(camera);
+    let from = camera.position.as_dvec3();
+    let near = 1e-3 * f64::from((camera.look_at - camera.position).length());
+    let [a, b] = line.map(|point| point.as_dvec3() - from);
+    let [depth_a, depth_b] = [a.dot(axes.forward), b.dot(axes.forward)];
+    if depth_a < near && depth_b < near {
+        return None;
+    }
+    // What is behind is cut off.
+    let cut = a.lerp(b, (near - depth_a) / (depth_b - depth_a));
+    let ends = [if depth_a < near { cut } else { a }, if depth_b < near { cut } else { b }];
+    let scale = f64::from(area.height()) / 2.0 / (f64::from(camera.vertical_fov_degrees).to_radians() / 2.0).tan();
+    Some(ends.map(|point| {
+        let depth = point.dot(axes.forward).max(near);
+        let (x, y) = (point.dot(axes.right) / depth * scale, point.dot(axes.up) / depth * scale);
+        area.center() + vec2(x as f32, -y as f32)
+    }))
+}

@@ -1,0 +1,103 @@
+//! How the film is shown.
+
+use egui::{ComboBox, DragValue, Slider, SliderClamping, TextEdit, Ui};
+use raggio_render::{Comparison, View};
+
+use super::Fields;
+use super::controls::{row, table};
+use crate::command::Command;
+use crate::look::Look;
+use crate::names::{COMPARISONS, TONE_MAPPERS, VIEWS};
+use crate::viewer::Viewer;
+
+/// View, exposure, tone mapping, comparison, and how samples are added.
+pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Vec<Command>) {
+    let mut look = viewer.settings.look;
+    table(ui, "picture", |ui| {
+        row(ui, "view", |ui| choose(ui, "view", &mut look.view, VIEWS));
+        if let Some(legend) = look.view.legend(viewer.tracer.scale(look.view)) {
+            row(ui, "", |ui| ui.add(egui::Label::new(egui::RichText::new(legend).weak()).wrap()));
+        }
+        let tone_mapped = look.view == View::Radiance;
+        row(ui, "exposure", |ui| {
+            let slider = Slider::new(&mut look.exposure, -10.0..=10.0)
+                .clamping(SliderClamping::Edits)
+                .suffix(" stops")
+                .max_decimals(2);
+            ui.add_enabled(tone_mapped, slider);
+        });
+        row(ui, "tones", |ui| {
+            ui.add_enabled_ui(tone_mapped, |ui| choose(ui, "tones", &mut look.tone_mapper, TONE_MAPPERS));
+        });
+        row(ui, "samples", |ui| samples(ui, viewer, commands));
+        row(ui, "depth", |ui| depth(ui, viewer, commands));
+        row(ui, "size", |ui| {
+            let mut fixed = viewer.settings.scene_size;
+            let render = &viewer.scene().render;
+            let text = format!("the scene's, {} x {}", render.width, render.height);
+            if ui.checkbox(&mut fixed, text).changed() {
+                commands.push(Command::SceneSize(fixed));
+            }
+        });
+        row(ui, "compare", |ui| {
+            ui.add_enabled_ui(tone_mapped, |ui| compare(ui, viewer, fields, &mut look, commands));
+        });
+    });
+    if look != viewer.settings.look {
+        commands.push(Command::Look(look));
+    }
+}
+
+/// How many samples a frame adds.
+fn samples(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        let mut automatic = viewer.settings.samples_per_frame.is_none();
+        let mut count = viewer.settings.samples_per_frame.unwrap_or(1);
+        let mut changed = ui.checkbox(&mut automatic, "automatic").changed();
+        let number = DragValue::new(&mut count).range(1..=1024).suffix(" at a time");
+        changed |= ui.add_enabled(!automatic, number).changed();
+        if changed {
+            commands.push(Command::SamplesPerFrame((!automatic).then_some(count)));
+        }
+    });
+}
+
+/// How long paths may be.
+fn depth(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
+    let mut render = viewer.scene().render.clone();
+    if ui.add(DragValue::new(&mut render.max_depth).range(1..=65535).suffix(" rays a path")).changed() {
+        commands.push(Command::Edit(crate::command::Edit::Render(render)));
+    }
+}
+
+fn compare(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, look: &mut Look, commands: &mut Vec<Command>) {
+    ui.vertical(|ui| {
+        ui.horizontal(|ui| {
+            ui.add(TextEdit::singleline(&mut fields.reference_path).hint_text("an .exr or .png").desired_width(130.0));
+            if ui.button("Load").clicked() && !fields.reference_path.is_empty() {
+                commands.push(Command::Reference(Some(fields.reference_path.clone().into())));
+            }
+        });
+        if viewer.reference.is_some() {
+            ui.horizontal(|ui| {
+                choose(ui, "comparison", &mut look.comparison, COMPARISONS);
+                if ui.button("Close").clicked() {
+                    commands.push(Command::Reference(None));
+                }
+            });
+            if look.comparison == Comparison::Split {
+                ui.add(Slider::new(&mut look.split, 0.0..=1.0).show_value(false));
+            }
+        }
+    });
+}
+
+/// One of a list of named things.
+fn choose<T: PartialEq + Copy>(ui: &mut Ui, id: &str, value: &mut T, names: &[(T, &str)]) {
+    let name = |value: &T| names.iter().find(|(known, _)| known == value).map_or("", |(_, name)| name);
+    ComboBox::from_id_salt(id).width(150.0).selected_text(name(value)).show_ui(ui, |ui| {
+        for (known, name) in names {
+            ui.selectable_value(value, *known, *name);
+        }
+    });
+}

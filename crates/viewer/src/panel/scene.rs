@@ -1,0 +1,137 @@
+//! What the picture is of: shapes, materials, sky.
+
+mod geometry;
+mod material;
+mod sky;
+
+use egui::{Color32, Rect, Rgba, ScrollArea, Sense, Ui, vec2};
+use raggio_render::bounds;
+use raggio_scene::{Geometry, Scene, Vec3};
+
+use crate::command::{Command, Edit, Navigate};
+use crate::navigation::axes;
+use crate::panel::Fields;
+use crate::viewer::Viewer;
+
+/// The list of shapes, and an editor for the chosen one.
+pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Vec<Command>) {
+    history(ui, viewer, commands);
+    let scene = viewer.scene();
+    let row_height = ui.text_style_height(&egui::TextStyle::Body) + 4.0;
+    let height = 7.0 * row_height;
+    let mut list = ScrollArea::vertical().id_salt("shapes").max_height(height).auto_shrink([false, true]);
+    // What was chosen in the picture is to be seen in the list.
+    if fields.scrolled_to != viewer.selection {
+        fields.scrolled_to = viewer.selection;
+        let row = viewer.selection.unwrap_or_default() as f32 * (row_height + ui.spacing().item_spacing.y);
+        list = list.vertical_scroll_offset((row - height / 2.0).max(0.0));
+    }
+    list.show_rows(ui, row_height, scene.shapes.len(), |ui, rows| {
+        for shape in rows {
+            entry(ui, viewer, shape, commands);
+        }
+    });
+    ui.horizontal(|ui| {
+        ui.menu_button("Add", |ui| add(ui, viewer, commands));
+        let chosen = viewer.selection.is_some();
+        if ui.add_enabled(chosen, egui::Button::new("Duplicate")).clicked() {
+            commands.push(Command::DuplicateSelected);
+        }
+        if ui.add_enabled(chosen, egui::Button::new("Delete")).on_hover_text("Delete").clicked() {
+            commands.push(Command::RemoveSelected);
+        }
+        if let Some(shape) = viewer.selection.filter(|&shape| go_to(ui, scene, shape)) {
+            commands.push(Command::Navigate(Navigate::FocusOn(shape)));
+        }
+    });
+    if let Some(shape) = viewer.selection {
+        ui.separator();
+        geometry::show(ui, scene, shape, commands);
+        ui.separator();
+        material::show(ui, scene, shape, commands);
+    }
+    ui.separator();
+    sky::show(ui, scene, commands);
+}
+
+/// A plane is everywhere: there is no going to it.
+fn go_to(ui: &mut Ui, scene: &Scene, shape: usize) -> bool {
+    let bounded = scene.shapes.get(shape).is_some_and(|shape| bounds(&shape.geometry).is_some());
+    ui.add_enabled(bounded, egui::Button::new("Go to")).on_hover_text("double click").clicked()
+}
+
+/// What a shape is called: its kind, and its place among all.
+pub fn shape_name(scene: &Scene, shape: usize) -> String {
+    let kind = match scene.shapes.get(shape).map(|shape| &shape.geometry) {
+        Some(Geometry::Sphere { .. }) => "sphere",
+        Some(Geometry::Plane { .. }) => "plane",
+        Some(Geometry::Rectangle { .. }) => "rectangle",
+        Some(Geometry::Box { .. }) => "box",
+        None => "shape",
+    };
+    format!("{kind} {shape}")
+}
+
+fn history(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
+    let mut button = |ui: &mut Ui, title: &str, keys: &str, step: Option<&str>, command: Command| {
+        let response = ui.add_enabled(step.is_some(), egui::Button::new(title));
+        if response.on_hover_text(format!("{} ({keys})", step.unwrap_or_default())).clicked() {
+            commands.push(command);
+        }
+    };
+    ui.horizontal(|ui| {
+        button(ui, "Undo", "Ctrl+Z", viewer.document.can_undo(), Command::Undo);
+        button(ui, "Redo", "Ctrl+Shift+Z", viewer.document.can_redo(), Command::Redo);
+        ui.label(egui::RichText::new(format!("{} shapes", viewer.scene().shapes.len())).weak());
+    });
+}
+
+/// A line of the list: a swatch of the material, the shape's name, the material's name.
+fn entry(ui: &mut Ui, viewer: &Viewer, shape: usize, commands: &mut Vec<Command>) {
+    let scene = viewer.scene();
+    let material = &scene.materials[scene.shapes[shape].material];
+    ui.horizontal(|ui| {
+        let (swatch, _) = ui.allocate_exact_size(vec2(12.0, 12.0), Sense::hover());
+        let shown = if material.is_emissive() { material.emission_color } else { material.color };
+        ui.painter().rect_filled(Rect::from_center_size(swatch.center(), vec2(12.0, 12.0)), 3.0, srgb(shown));
+        let chosen = viewer.selection == Some(shape);
+        let text = format!("{}   {}", shape_name(scene, shape), material.name);
+        let response = ui.selectable_label(chosen, text);
+        if response.clicked() {
+            commands.push(Command::Select((!chosen).then_some(shape)));
+        }
+        if response.double_clicked() {
+            commands.push(Command::Select(Some(shape)));
+            commands.push(Command::Navigate(Navigate::FocusOn(shape)));
+        }
+    });
+}
+
+/// New shapes appear where the camera looks, in a size that shows.
+fn add(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
+    let scene = viewer.scene();
+    let camera = viewer.camera();
+    let center = camera.look_at;
+    let size = 0.1 * (camera.look_at - camera.position).length();
+    let axes = axes(camera);
+    let (right, up) = (axes.right.as_vec3() * size, axes.up.as_vec3() * size);
+    let kinds = [
+        ("Sphere", Geometry::Sphere { center, radius: size }),
+        ("Box", Geometry::Box { center, size: Vec3::splat(2.0 * size), rotation_degrees: Vec3::ZERO }),
+        ("Rectangle", Geometry::Rectangle { corner: center - right - up, edge_u: 2.0 * right, edge_v: 2.0 * up }),
+        ("Plane", Geometry::Plane { point: center, normal: Vec3::Y }),
+    ];
+    let material = viewer.selection.map_or(0, |shape| scene.shapes[shape].material);
+    for (name, geometry) in kinds {
+        if ui.button(name).clicked() {
+            commands.push(Command::Edit(Edit::Add(geometry, material)));
+            ui.close();
+        }
+    }
+}
+
+/// As a display shows it.
+fn srgb(color: Vec3) -> Color32 {
+    let [r, g, b] = color.to_array().map(|x| x.clamp(0.0, 1.0));
+    Rgba::from_rgb(r, g, b).into()
+}

@@ -1,0 +1,326 @@
+//! Scripts: what a hand would do to the window, written down. For turntables, benchmarks and tests.
+
+mod parse;
+
+use std::path::Path;
+use std::time::Duration;
+
+use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, TouchPhase, Vec2};
+
+use crate::command::{Command, Navigate};
+use crate::error::ViewError;
+
+/// How long a step takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Span {
+    /// On the clock.
+    Time(Duration),
+    /// Whatever they take.
+    Frames(u32),
+}
+
+/// One line of a script.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Step {
+    /// At once.
+    Do(Command),
+    /// At once, as if a key were pressed and released.
+    Press(Modifiers, Key),
+    /// A key is held.
+    Hold(Modifiers, Key, Span),
+    /// The pointer jumps there.
+    Move(Pos2),
+    /// So many clicks.
+    Click(PointerButton, Modifiers, Pos2, u32),
+    /// The pointer moves with a button held.
+    Drag(PointerButton, Modifiers, Pos2, Pos2, Span),
+    /// Notches, away from the user.
+    Wheel(f32),
+    /// Degrees around what the camera looks at.
+    Orbit(f32, Span),
+    /// Nothing for a while.
+    Wait(Span),
+    /// Nothing until each pixel has so many samples.
+    WaitForSamples(u32),
+    /// Nothing until the export under way is written.
+    WaitForExport,
+    /// Nothing until the scene's file has been read again, so many times in all.
+    WaitForReload(u32),
+    /// The window itself.
+    Window(WindowStep),
+}
+
+/// What a script does to the window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WindowStep {
+    /// Pixels across and down.
+    Size([u32; 2]),
+    /// Pixels in a point.
+    Scale(f32),
+    /// Out of sight.
+    Minimise,
+    /// Into sight again.
+    Restore,
+}
+
+/// A script being played.
+pub struct Player {
+    steps: std::vec::IntoIter<Step>,
+    /// The step that takes time, and how far it is.
+    current: Option<(Step, f64)>,
+    pointer: Pos2,
+}
+
+/// What a script does in one frame.
+#[derive(Default)]
+pub struct Played {
+    /// As from mouse and keyboard.
+    pub events: Vec<Event>,
+    /// As from the panels.
+    pub commands: Vec<Command>,
+    /// As from the window's frame.
+    pub window: Vec<WindowStep>,
+}
+
+/// What a script can wait for.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct State {
+    /// Of each pixel at full resolution.
+    pub samples: u32,
+    /// There will be no more of them.
+    pub stopped: bool,
+    /// How often the scene's file has been read again.
+    pub reloads: u32,
+    /// A picture is being rendered for a file.
+    pub exporting: bool,
+}
+
+impl Player {
+    /// Reads a script.
+    pub fn load(path: &Path) -> Result<Self, ViewError> {
+        let text = std::fs::read_to_string(path).map_err(|e| match e.kind() {
+            std::io::ErrorKind::NotFound => {
+                ViewError::File { path: path.into(), message: "there is no such file".into() }
+            }
+            _ => ViewError::File { path: path.into(), message: format!("cannot be read: {e}") },
+        })?;
+        Self::parse(&text, &path.display().to_string())
+    }
+
+    /// From a script's text; `file` names it in errors.
+    pub fn parse(text: &str, file: &str) -> Result<Self, ViewError> {
+        let steps = parse::steps(text, file)?;
+        Ok(Self { steps: steps.into_iter(), current: None, pointer: Pos2::ZERO })
+    }
+
+    /// What happens in a frame that comes `seconds` after the last; the script ends by closing the window.
+    pub fn frame(&mut self, seconds: f64, state: State) -> Played {
+        let mut played = Played::default();
+        if let Some((step, done)) = self.current.take() {
+            self.proceed(step, done, seconds, state, &mut played);
+        }
+        // Keys and clicks take a frame of their own, for a press and its release in one would be seen as neither.
+        // A screenshot too, for what follows would be half in it.
+        let pictured = |played: &Played| matches!(played.commands.last(), Some(Command::Screenshot(_)));
+        while self.current.is_none() && played.events.is_empty() && played.window.is_empty() && !pictured(&played) {
+            match self.steps.next() {
+                Some(step) => self.begin(step, &mut played),
+                None => {
+                    played.commands.push(Command::Quit);
+                    break;
+                }
+            }
+        }
+        played
+    }
+
+    fn begin(&mut self, step: Step, played: &mut Played) {
+        match &step {
+            Step::Do(command) => played.commands.push(command.clone()),
+            Step::Window(step) => played.window.push(*step),
+            Step::Press(modifiers, key) | Step::Hold(modifiers, key, _) => {
+                press(*modifiers, *key, true, &mut played.events);
+                self.current = Some((step, 0.0));
+            }
+            Step::Move(to) => self.point(*to, played),
+            Step::Click(button, modifiers, at, _) | Step::Drag(button, modifiers, at, _, _) => {
+                self.point(*at, played);
+                self.button(*button, *modifiers, true, played);
+                self.current = Some((step, 0.0));
+            }
+            Step::Wheel(notches) => played.events.push(Event::MouseWheel {
+                unit: MouseWheelUnit::Line,
+                delta: Vec2::new(0.0, *notches),
+                phase: TouchPhase::Move,
+                modifiers: Modifiers::NONE,
+            }),
+            // What came before them in this frame has not been done yet, so that they look first in the next.
+            Step::Orbit(..)
+            | Step::Wait(_)
+            | Step::WaitForSamples(_)
+            | Step::WaitForExport
+            | Step::WaitForReload(_) => {
+                self.current = Some((step, 0.0));
+            }
+        }
+    }
+
+    /// Goes on with a step of which the part `done` is behind.
+    fn proceed(&mut self, step: Step, done: f64, seconds: f64, state: State, played: &mut Played) {
+        let after = |span: Span| (done + span.share(seconds)).min(1.0);
+        let now = match &step {
+            Step::Press(modifiers, key) => {
+                press(*modifiers, *key, false, &mut played.events);
+                1.0
+            }
+            Step::Hold(modifiers, key, span) => {
+                if after(*span) >= 1.0 {
+                    press(*modifiers, *key, false, &mut played.events);
+                }
+                after(*span)
+            }
+            Step::Click(button, modifiers, _, times) => {
+                // A press, a release, and so on.
+                let events = 2 * times;
+                let number = (done * f64::from(events)).round() as u32 + 1;
+                self.button(*button, *modifiers, number.is_multiple_of(2), played);
+                f64::from(number + u32::from(number + 1 == events)) / f64::from(events)
+            }
+            Step::Drag(button, modifiers, from, to, span) => {
+                self.point(*from + (*to - *from) * after(*span) as f32, played);
+                if after(*span) >= 1.0 {
+                    self.button(*button, *modifiers, false, played);
+                }
+                after(*span)
+            }
+            Step::Orbit(degrees, span) => {
+                let turn = f64::from(*degrees) * (after(*span) - done);
+                played.commands.push(Command::Navigate(Navigate::Orbit(turn as f32)));
+                after(*span)
+            }
+            Step::Wait(span) => after(*span),
+            Step::WaitForSamples(samples) => {
+                let enough = state.samples >= *samples;
+                if state.stopped && !enough {
+                    let has = state.samples;
+                    let complaint = format!("waited for {samples} samples per pixel, and sampling stopped at {has}");
+                    played.commands.push(Command::Complain(complaint));
+                }
+                f64::from(u8::from(enough || state.stopped))
+            }
+            Step::WaitForReload(times) => f64::from(u8::from(state.reloads >= *times)),
+            Step::WaitForExport => f64::from(u8::from(!state.exporting)),
+            Step::Do(_) | Step::Move(_) | Step::Wheel(_) | Step::Window(_) => 1.0,
+        };
+        // Rounding must not add a frame.
+        if now < 1.0 - 1e-9 {
+            self.current = Some((step, now));
+        }
+    }
+
+    fn point(&mut self, to: Pos2, played: &mut Played) {
+        self.pointer = to;
+        played.events.push(Event::PointerMoved(to));
+    }
+
+    fn button(&self, button: PointerButton, modifiers: Modifiers, pressed: bool, played: &mut Played) {
+        played.events.push(Event::ModifiersChanged(if pressed { modifiers } else { Modifiers::NONE }));
+        played.events.push(Event::PointerButton { pos: self.pointer, button, pressed, modifiers });
+    }
+}
+
+impl Span {
+    /// The part of it that passes in one frame.
+    fn share(self, seconds: f64) -> f64 {
+        match self {
+            Self::Time(duration) => seconds / duration.as_secs_f64().max(1e-9),
+            Self::Frames(frames) => 1.0 / f64::from(frames.max(1)),
+        }
+    }
+}
+
+fn press(modifiers: Modifiers, key: Key, pressed: bool, events: &mut Vec<Event>) {
+    events.push(Event::ModifiersChanged(if pressed { modifiers } else { Modifiers::NONE }));
+    events.push(Event::Key { key, physical_key: Some(key), pressed, repeat: false, modifiers });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The frames of a script until it ends, each a twentieth of a second long.
+    fn frames(text: &str) -> Vec<Played> {
+        let mut player = Player::parse(text, "test").unwrap_or_else(|error| panic!("{error}"));
+        let mut frames = vec![];
+        while frames.len() < 1000 {
+            let played = player
+                .frame(0.05, State { samples: frames.len() as u32, exporting: frames.len() < 5, ..State::default() });
+            let over = played.commands.last() == Some(&Command::Quit);
+            frames.push(played);
+            if over {
+                return frames;
+            }
+        }
+        panic!("the script does not end");
+    }
+
+    #[test]
+    fn commands_that_take_no_time_share_a_frame() {
+        let frames = frames("pause\nrestart\nundo");
+        assert_eq!(frames.len(), 1);
+        assert_eq!(frames[0].commands, [Command::Pause, Command::Restart, Command::Undo, Command::Quit]);
+    }
+
+    #[test]
+    fn spans_take_their_frames_or_their_time() {
+        assert_eq!(frames("wait 7 frames").len(), 8);
+        assert_eq!(frames("wait 0.5 s").len(), 11);
+        assert_eq!(frames("wait 12 samples").len(), 13);
+        assert_eq!(frames("wait export").len(), 6);
+    }
+
+    #[test]
+    fn an_orbit_turns_by_its_angle_in_all() {
+        let turns = frames("orbit 90 over 7 frames");
+        let turn = |played: &Played| match played.commands[..] {
+            [Command::Navigate(Navigate::Orbit(degrees)), ..] => degrees,
+            _ => 0.0,
+        };
+        assert!((turns.iter().map(turn).sum::<f32>() - 90.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn what_is_pressed_is_released() {
+        for script in [
+            "press Ctrl+Z",
+            "hold W 3 frames",
+            "click left 1,2",
+            "double-click left 1,2",
+            "drag left 1,2 3,4 over 3 frames",
+        ] {
+            let mut down = 0;
+            let mut presses = 0;
+            for event in frames(script).iter().flat_map(|played| &played.events) {
+                if let Event::Key { pressed, .. } | Event::PointerButton { pressed, .. } = event {
+                    down += if *pressed { 1 } else { -1 };
+                    presses += u32::from(*pressed);
+                }
+                assert!((0..=1).contains(&down), "{script}");
+            }
+            assert_eq!(down, 0, "{script}");
+            assert_eq!(presses, if script.starts_with("double") { 2 } else { 1 }, "{script}");
+        }
+    }
+
+    #[test]
+    fn a_drag_ends_where_it_is_to_end() {
+        let last =
+            frames("drag right 10,20 110,70 over 4 frames").iter().flat_map(|p| p.events.clone()).rev().find_map(
+                |event| match event {
+                    Event::PointerMoved(at) => Some(at),
+                    _ => None,
+                },
+            );
+        assert_eq!(last, Some(Pos2::new(110.0, 70.0)));
+    }
+}

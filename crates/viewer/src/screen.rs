@@ -1,0 +1,176 @@
+//! One frame: events in, panels and picture out. The same for a window and for a canvas that nobody sees.
+
+use std::time::{Duration, Instant};
+
+use egui::{Context, OutputCommand, PlatformOutput, RawInput, Rect, ViewportId};
+use raggio_render::Pixels;
+use raggio_vulkan::{Area, Canvas, Overlay, Picture};
+
+use crate::command::{Command, Navigate};
+use crate::error::ViewError;
+use crate::input::{self, Input};
+use crate::overlay;
+use crate::panel;
+use crate::viewer::Viewer;
+
+/// The smallest picture, in pixels each way: windows can be made very small.
+pub const SMALLEST: u32 = 16;
+
+/// Where frames are drawn.
+pub struct Screen {
+    ctx: Context,
+    canvas: Canvas,
+}
+
+/// What a frame asks of whoever shows it.
+pub struct Frame {
+    /// Cursor, clipboard and the like.
+    pub platform: PlatformOutput,
+    /// When the next frame is due; `None`: at the next event.
+    pub next: Option<Duration>,
+    /// There was something to draw on.
+    pub visible: bool,
+    /// What was shown, if it was asked for: size, and bytes red, green, blue, opacity.
+    pub capture: Option<([u32; 2], Vec<u8>)>,
+}
+
+impl Screen {
+    /// On this canvas.
+    pub fn new(canvas: Canvas) -> Self {
+        let ctx = Context::default();
+        panel::apply_theme(&ctx);
+        // Panels only say what they ask for; drawing them twice would ask twice.
+        ctx.options_mut(|options| options.max_passes = std::num::NonZeroUsize::MIN);
+        Self { ctx, canvas }
+    }
+
+    /// egui's state.
+    pub fn ctx(&self) -> &Context {
+        &self.ctx
+    }
+
+    /// What is drawn on.
+    pub fn canvas(&mut self) -> &mut Canvas {
+        &mut self.canvas
+    }
+
+    /// The same panels on another canvas, after the device of this one was lost.
+    pub fn moved_to(&self, canvas: Canvas) -> Self {
+        // A new egui, for it has to send all its textures again; what is open and closed stays.
+        let screen = Self::new(canvas);
+        let memory = self.ctx.memory(Clone::clone);
+        screen.ctx.memory_mut(|new| *new = memory);
+        screen.ctx.set_zoom_factor(self.ctx.zoom_factor());
+        screen
+    }
+
+    /// Draws one frame of `viewer`, after it has done what `raw` and `commands` ask for.
+    pub fn frame(&mut self, viewer: &mut Viewer, raw: RawInput, commands: Vec<Command>) -> Result<Frame, ViewError> {
+        let seconds = viewer.clock.begin();
+        let mut commands = commands;
+        if !raw.events.is_empty() || !commands.is_empty() {
+            viewer.untouched = Instant::now();
+        }
+        let mut fields = std::mem::take(&mut viewer.fields);
+        let mut picture = (Rect::ZERO, Input::default());
+        let output = self.ctx.run_ui(raw, |ui| {
+            panel::show(ui, viewer, &mut fields, &mut commands);
+            let area = overlay::place(ui.available_rect_before_wrap(), viewer);
+            picture = (area, input::read(ui, area));
+            overlay::show(ui, area, viewer);
+        });
+        viewer.fields = fields;
+        let (area, input) = picture;
+        // egui's own selected text is what was meant to be copied.
+        let copied = |command: &OutputCommand| matches!(command, OutputCommand::CopyText(_));
+        let own_text = output.platform_output.commands.iter().any(copied);
+        commands.extend(input.commands.iter().filter(|command| !own_text || **command != Command::CopyCamera).cloned());
+        let scale = output.pixels_per_point;
+        self.act(viewer, area, scale, &input, commands, seconds)?;
+
+        let sampled = viewer.sample();
+        viewer.survive(sampled)?;
+        let pixels = match viewer.picture() {
+            Ok(pixels) => pixels,
+            Err(error) => viewer.survive(Err(error)).map(|()| None)?,
+        };
+        let pixels = pixels.as_ref().map(|(pixels, size)| Picture { pixels: borrowed(pixels), size: *size });
+        let primitives = self.ctx.tessellate(output.shapes, scale);
+        let screenshot = viewer.outgoing.screenshot.is_some();
+        let overlay = Overlay {
+            primitives: &primitives,
+            textures: output.textures_delta,
+            pixels_per_point: scale,
+            capture: screenshot,
+        };
+        let shown = self.canvas.show(pixels, in_pixels(area, scale), overlay)?;
+        viewer.clock.end(shown.waited);
+
+        let mut platform = output.platform_output;
+        platform.commands.extend(viewer.outgoing.text.take().map(OutputCommand::CopyText));
+        let delay = output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |view| view.repaint_delay);
+        let next = if viewer.is_busy() { Duration::ZERO } else { delay.min(viewer.patience()) };
+        let size = self.canvas.size();
+        Ok(Frame {
+            platform,
+            next: (next < Duration::MAX).then_some(next),
+            visible: shown.visible,
+            capture: shown.capture.map(|pixels| (size, pixels)),
+        })
+    }
+
+    fn act(
+        &mut self,
+        viewer: &mut Viewer,
+        area: Rect,
+        scale: f32,
+        input: &Input,
+        mut commands: Vec<Command>,
+        seconds: f64,
+    ) -> Result<(), ViewError> {
+        if let Some(at) = input.double_clicked
+            && let Some(pick) = viewer.tracer.pick(at[0], at[1])?
+        {
+            commands.push(Command::Navigate(Navigate::FocusOn(pick.shape)));
+        }
+        if let Some(at) = input.clicked {
+            commands.push(Command::Select(viewer.tracer.pick(at[0], at[1])?.map(|pick| pick.shape)));
+        }
+        // Whatever a hand was doing with a control is one step to undo; it ends when the hand lets go.
+        if !self.ctx.input(|i| i.pointer.any_down()) && !self.ctx.text_edit_focused() {
+            commands.push(Command::EndGesture);
+        }
+        viewer.apply(commands)?;
+        let steps: [&dyn Fn(&mut Viewer) -> Result<(), ViewError>; 5] = [
+            &|viewer| viewer.follow_file(),
+            &|viewer| viewer.follow_kernels(),
+            &|viewer| viewer.resize(picture_size(area, scale)),
+            &|viewer| viewer.steer(&input.hands, seconds),
+            &|viewer| viewer.read(input.hands.cursor),
+        ];
+        for step in steps {
+            let outcome = step(viewer);
+            viewer.survive(outcome)?;
+        }
+        Ok(())
+    }
+}
+
+fn borrowed(pixels: &Pixels) -> raggio_vulkan::Pixels<'_> {
+    match pixels {
+        Pixels::Host(pixels) => raggio_vulkan::Pixels::Host(bytemuck::cast_slice(pixels)),
+        Pixels::Device(buffer) => raggio_vulkan::Pixels::Device(buffer),
+    }
+}
+
+fn in_pixels(area: Rect, scale: f32) -> Area {
+    let round = |points: f32| (points * scale).round().max(0.0) as u32;
+    let (left, top) = (round(area.left()), round(area.top()));
+    let (right, bottom) = (round(area.right()), round(area.bottom()));
+    Area { left, top, width: right.saturating_sub(left), height: bottom.saturating_sub(top) }
+}
+
+fn picture_size(area: Rect, scale: f32) -> [u32; 2] {
+    let area = in_pixels(area, scale);
+    [area.width.max(SMALLEST), area.height.max(SMALLEST)]
+}

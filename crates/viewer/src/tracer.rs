@@ -1,0 +1,384 @@
+//! The picture that converges: a renderer that keeps to the display's frames.
+
+use std::time::{Duration, Instant};
+
+use raggio_render::{
+    Change, Device, DeviceError, DeviceScene, Display, Feature, Film, FilmPixel, Image, Pixels, Probe, Progress,
+    Renderer, View,
+};
+use raggio_scene::{Camera, Scene, Vec3};
+
+use crate::error::ViewError;
+use crate::look::Look;
+
+/// For so long after the last motion the camera counts as moving.
+const REST: Duration = Duration::from_millis(120);
+/// The film is never smaller than this part of the picture, in each direction.
+const COARSEST: u32 = 8;
+/// No pixel takes more samples, as in scene files.
+pub const MOST_SAMPLES: u32 = i32::MAX as u32;
+
+/// A scene on a device, traced at the resolution that the moment allows.
+pub struct Tracer {
+    device: Box<dyn Device>,
+    scene: Scene,
+    device_scene: DeviceScene,
+    renderer: Renderer,
+    /// Of the picture at rest, in pixels.
+    full: [u32; 2],
+    /// While the camera moves, the film is so many times smaller in each direction that a frame's time is enough.
+    divisor: u32,
+    moved: Option<Instant>,
+    /// Samples at which to stop.
+    limit: Option<u32>,
+    /// The film is new, and its resolution not yet chosen.
+    begun: bool,
+    /// The film has changed since it was last displayed.
+    fresh: bool,
+    shown: Option<Display>,
+    samples_per_pass: Option<u32>,
+    reference: Option<Image>,
+    /// Of the film that the device has the reference for.
+    reference_size: [u32; 2],
+    rays: Rays,
+}
+
+/// Rays per sample, from one row of the film a frame: reading all of it would take longer than tracing it.
+#[derive(Default)]
+struct Rays {
+    rays: f64,
+    samples: f64,
+    turn: u32,
+}
+
+/// What is under a point of the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pick {
+    /// Where the camera's ray meets it.
+    pub position: Vec3,
+    /// Unit, away from the inside of closed shapes.
+    pub normal: Vec3,
+    /// From the camera.
+    pub distance: f32,
+    /// In the scene's list.
+    pub shape: usize,
+    /// In the scene's list.
+    pub material: usize,
+}
+
+impl Tracer {
+    /// Loads `scene` for a picture of `full` pixels.
+    pub fn new(device: Box<dyn Device>, scene: &Scene, full: [u32; 2]) -> Result<Self, ViewError> {
+        let mut scene = scene.clone();
+        [scene.render.width, scene.render.height] = full;
+        let device_scene = DeviceScene::new(&scene)?;
+        let session = device.load(&device_scene)?;
+        let renderer = Renderer::new(session, full[0], full[1], MOST_SAMPLES);
+        let tracer = Self {
+            device,
+            scene,
+            device_scene,
+            renderer,
+            full,
+            divisor: 1,
+            moved: None,
+            limit: None,
+            begun: true,
+            fresh: false,
+            shown: None,
+            samples_per_pass: None,
+            reference: None,
+            reference_size: [0, 0],
+            rays: Rays::default(),
+        };
+        Ok(tracer)
+    }
+
+    /// What it traces on.
+    pub fn device(&self) -> &dyn Device {
+        &*self.device
+    }
+
+    /// Traces on `device` from now on.
+    pub fn set_device(&mut self, device: Box<dyn Device>) -> Result<(), ViewError> {
+        let session = device.load(&self.device_scene)?;
+        let [width, height] = self.film_size();
+        let feature = self.renderer.feature();
+        self.renderer = Renderer::new(session, width, height, self.target());
+        self.renderer.show(feature)?;
+        self.renderer.set_samples_per_pass(self.samples_per_pass);
+        self.device = device;
+        self.reference_size = [0, 0];
+        self.shown = None;
+        self.begin()
+    }
+
+    /// Shows the film that `view` looks at.
+    pub fn set_view(&mut self, view: View) -> Result<(), ViewError> {
+        Ok(self.renderer.show(view.feature())?)
+    }
+
+    /// Compares with this picture, or with none.
+    pub fn set_reference(&mut self, reference: Option<Image>) -> Result<(), ViewError> {
+        self.reference = reference;
+        self.shown = None;
+        self.reference_size = self.film_size();
+        Ok(self.renderer.session().set_reference(self.reference.as_ref())?)
+    }
+
+    /// Another scene, seen from `camera`. An error leaves the old one in place.
+    pub fn set_scene(&mut self, scene: &Scene, camera: &Camera) -> Result<(), ViewError> {
+        let mut scene = Scene { camera: camera.clone(), ..scene.clone() };
+        [scene.render.width, scene.render.height] = self.film_size();
+        let device_scene = DeviceScene::new(&scene)?;
+        self.renderer.restart(&device_scene, Change::Scene)?;
+        (self.scene, self.device_scene) = (scene, device_scene);
+        self.begin()
+    }
+
+    /// Another camera; `moving`: and more are to be expected, so responsiveness comes before sharpness.
+    pub fn set_camera(&mut self, camera: &Camera, moving: bool) -> Result<(), ViewError> {
+        let before = std::mem::replace(&mut self.scene.camera, camera.clone());
+        if moving {
+            self.moved = Some(Instant::now());
+        }
+        self.restart().inspect_err(|_| self.scene.camera = before)
+    }
+
+    /// Another size of the picture, in pixels.
+    pub fn set_size(&mut self, full: [u32; 2]) -> Result<(), ViewError> {
+        if full == self.full {
+            return Ok(());
+        }
+        raggio_render::check_memory(full[0], full[1])?;
+        let before = std::mem::replace(&mut self.full, full);
+        self.restart().inspect_err(|_| self.full = before)
+    }
+
+    /// Begins the average anew.
+    pub fn restart(&mut self) -> Result<(), ViewError> {
+        [self.scene.render.width, self.scene.render.height] = self.film_size();
+        self.device_scene.set_view(&self.scene)?;
+        self.renderer.restart(&self.device_scene, Change::View)?;
+        self.begin()
+    }
+
+    /// What every new film needs.
+    fn begin(&mut self) -> Result<(), ViewError> {
+        self.begun = true;
+        self.fresh = false;
+        self.rays = Rays::default();
+        // The device keeps it as long as the size stays.
+        if self.reference.is_some() && self.reference_size != self.film_size() {
+            self.reference_size = self.film_size();
+            self.renderer.session().set_reference(self.reference.as_ref())?;
+        }
+        Ok(())
+    }
+
+    /// Stops at so many samples; `None` goes on.
+    pub fn set_limit(&mut self, limit: Option<u32>) {
+        self.limit = limit;
+        self.renderer.set_target(self.target());
+    }
+
+    /// Samples that a pass adds to each pixel; `None`: as many as a frame has time for.
+    pub fn set_samples_per_frame(&mut self, samples: Option<u32>) {
+        self.samples_per_pass = samples;
+        self.renderer.set_samples_per_pass(samples);
+    }
+
+    /// Spends about `seconds` on samples.
+    pub fn trace(&mut self, seconds: f64) -> Result<(), ViewError> {
+        self.settle(seconds)?;
+        let start = Instant::now();
+        loop {
+            let left = seconds - start.elapsed().as_secs_f64();
+            if self.renderer.finished() || left <= 0.05 * seconds {
+                return Ok(());
+            }
+            let before = self.renderer.progress().samples;
+            self.renderer.advance_for(left)?;
+            self.fresh = true;
+            if self.samples_per_pass.is_some() && self.renderer.progress().samples > before {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Finds the resolution for this frame: as fine as the frame's time allows after every change, then finer step by step
+    /// when the camera rests, so that there is never long nothing new to see.
+    fn settle(&mut self, seconds: f64) -> Result<(), ViewError> {
+        let divisor = if self.is_moving() || std::mem::take(&mut self.begun) {
+            let pixels = f64::from(self.full[0]) * f64::from(self.full[1]);
+            let needed = (pixels / (self.renderer.rate() * seconds)).sqrt().ceil();
+            // A little too coarse stays: changing the resolution back and forth would flicker.
+            let needed = (needed as u32).clamp(1, COARSEST);
+            if needed + 1 == self.divisor { self.divisor } else { needed }
+        } else if self.renderer.progress().samples > 0 {
+            self.divisor / 2
+        } else {
+            self.divisor
+        };
+        if divisor.max(1) != self.divisor {
+            self.divisor = divisor.max(1);
+            self.restart()?;
+            self.begun = false;
+        }
+        Ok(())
+    }
+
+    /// The picture, if there is a whole one and it has changed since it was last asked for.
+    pub fn display(&mut self, look: Look) -> Result<Option<(Pixels, [u32; 2])>, ViewError> {
+        let display = look.display(self.film_size()[0], self.scale(look.view));
+        let changed = self.fresh || self.shown != Some(display);
+        if !changed || self.renderer.progress().samples == 0 {
+            return Ok(None);
+        }
+        let pixels = self.renderer.session().display(display)?;
+        self.fresh = false;
+        self.shown = Some(display);
+        Ok(Some((pixels, self.film_size())))
+    }
+
+    /// The picture is to be asked for anew, even if it has not changed.
+    pub fn show_again(&mut self) {
+        self.shown = None;
+    }
+
+    /// What is under a point of the picture; `x` and `y` are 0 to 1 from the top left.
+    pub fn pick(&mut self, x: f32, y: f32) -> Result<Option<Pick>, ViewError> {
+        let [width, height] = self.film_size().map(|side| side as f32);
+        // Through the middle of the lens.
+        let camera = [[x * width, y * height, width, height], [0.0; 4], [0.0; 4]];
+        let session = self.renderer.session();
+        let ray = answer(session.ask(Probe::Camera, &[camera]))?;
+        let trace = [ray[0], ray[1], [0.0; 4]];
+        let [found, position, normal] = answer(session.ask(Probe::Trace, &[trace]))?;
+        let place = found[1];
+        if place < 0.0 {
+            return Ok(None);
+        }
+        let shape = self.device_scene.shape_of_place[place as usize] as usize;
+        let vector = |v: [f32; 4]| Vec3::new(v[0], v[1], v[2]);
+        let material = found[2] as usize;
+        Ok(Some(Pick { position: vector(position), normal: vector(normal), distance: found[0], shape, material }))
+    }
+
+    /// The pixel of the film at a point of the picture; `x` and `y` are 0 to 1 from the top left.
+    pub fn film_pixel(&self, x: f32, y: f32) -> [u32; 2] {
+        let [width, height] = self.film_size();
+        let place = |at: f32, side: u32| ((at * side as f32) as u32).min(side - 1);
+        [place(x, width), place(y, height)]
+    }
+
+    /// Where the colours of a view end.
+    pub fn scale(&self, view: View) -> f32 {
+        match view {
+            View::Depth => self.scene.camera.focus_distance,
+            View::Bounces => self.scene.render.max_depth as f32,
+            View::Samples => self.renderer.progress().samples.max(1) as f32,
+            _ => 1.0,
+        }
+    }
+
+    /// Reads another row of the film, for [`Tracer::rays_per_sample`].
+    pub fn count_rays(&mut self) -> Result<(), ViewError> {
+        let [width, height] = self.film_size();
+        if self.renderer.progress().samples == 0 {
+            return Ok(());
+        }
+        // The golden ratio spreads the rows evenly, however many there will be.
+        let row = (f64::from(self.rays.turn) * 0.618_033_988_75).fract() * f64::from(height);
+        let pixels = self.renderer.session().pixels(0..width, row as u32)?;
+        self.rays.turn += 1;
+        let each = |pixel: &FilmPixel| f64::from(pixel.rays) / f64::from(pixel.samples + pixel.rejected).max(1.0);
+        self.rays.rays += pixels.iter().map(each).sum::<f64>();
+        self.rays.samples += f64::from(width);
+        Ok(())
+    }
+
+    /// Rays per sample, as far as rows have been read; 0 before the first.
+    pub fn rays_per_sample(&self) -> f64 {
+        self.rays.rays / self.rays.samples.max(1.0)
+    }
+
+    /// The film of radiance when the pass under way is finished, and how many samples each of its pixels has then;
+    /// whatever film is shown.
+    pub fn radiance(&mut self) -> Result<(Film, u32), ViewError> {
+        let shown = self.renderer.feature();
+        self.renderer.show(Feature::Radiance)?;
+        self.renderer.finish_pass()?;
+        let film = self.renderer.film()?;
+        let samples = self.renderer.progress().samples;
+        self.renderer.show(shown)?;
+        self.fresh = true;
+        Ok((film, samples))
+    }
+
+    /// A pixel of the film that is shown.
+    pub fn pixel(&mut self, [x, y]: [u32; 2]) -> Result<FilmPixel, ViewError> {
+        Ok(self.renderer.session().pixel(x, y)?)
+    }
+
+    /// How far it has come.
+    pub fn progress(&self) -> Progress {
+        self.renderer.progress()
+    }
+
+    /// Nothing is left to do.
+    pub fn finished(&self) -> bool {
+        self.renderer.finished() && self.divisor == 1
+    }
+
+    /// There is a picture at full resolution.
+    pub fn is_whole(&self) -> bool {
+        self.settled() && self.progress().samples > 0
+    }
+
+    /// Only a small part of the picture's pixels can be traced in a frame.
+    pub fn is_coarse(&self) -> bool {
+        self.divisor > 2
+    }
+
+    /// Full resolution, and the camera at rest.
+    pub fn settled(&self) -> bool {
+        self.divisor == 1 && !self.is_moving()
+    }
+
+    /// The camera has moved a moment ago.
+    pub fn is_moving(&self) -> bool {
+        self.moved.is_some_and(|at| at.elapsed() < REST)
+    }
+
+    /// The scene as it is seen: size and camera are the film's.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Of the film, in pixels.
+    pub fn film_size(&self) -> [u32; 2] {
+        self.full.map(|side| (side / self.divisor).max(1))
+    }
+
+    /// Of the picture at rest, in pixels.
+    pub fn full_size(&self) -> [u32; 2] {
+        self.full
+    }
+
+    /// Width by height.
+    pub fn aspect(&self) -> f32 {
+        self.full[0] as f32 / self.full[1] as f32
+    }
+
+    fn target(&self) -> u32 {
+        self.limit.unwrap_or(MOST_SAMPLES)
+    }
+}
+
+fn answer(answers: Result<Vec<raggio_render::Answer>, DeviceError>) -> Result<raggio_render::Answer, ViewError> {
+    Ok(answers?.into_iter().next().unwrap_or_default())
+}
+
+#[cfg(test)]
+mod tests;

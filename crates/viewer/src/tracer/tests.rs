@@ -1,0 +1,125 @@
+use raggio_render::{DeviceChoice, OpenOptions, open};
+
+use super::*;
+
+fn scene() -> Scene {
+    let text = "version = 1\n[camera]\nposition = [0, 1, 4]\nlook_at = [0, 1, 0]\nvertical_fov_degrees = 40\n\
+        [environment]\nhorizon = [1, 1, 1]\nzenith = [0.5, 0.7, 1]\n[materials.clay]\n[materials.moss]\n\
+        [[shapes]]\nmaterial = \"moss\"\nplane = { point = [0, 0, 0], normal = [0, 1, 0] }\n\
+        [[shapes]]\nmaterial = \"clay\"\nsphere = { center = [0, 1, 0], radius = 1 }\n";
+    Scene::parse(text, "test").expect("a scene")
+}
+
+fn tracer(size: [u32; 2]) -> Tracer {
+    let device = open(DeviceChoice::Cpu, OpenOptions::default(), |_| ()).expect("the CPU");
+    Tracer::new(device, &scene(), size).expect("the scene loads")
+}
+
+/// Frames until each pixel of the whole picture has a sample.
+fn settle(tracer: &mut Tracer) {
+    for _ in 0..10_000 {
+        tracer.trace(0.01).expect("it traces");
+        if tracer.is_whole() {
+            return;
+        }
+    }
+    panic!("no whole picture");
+}
+
+#[test]
+fn a_point_of_the_picture_is_what_the_camera_sees_there() {
+    let mut tracer = tracer([64, 48]);
+    let pick = tracer.pick(0.5, 0.5).expect("it traces").expect("the sphere");
+    assert_eq!((pick.shape, pick.material), (1, 0));
+    assert!((pick.distance - 3.0).abs() < 1e-5);
+    assert!(pick.position.abs_diff_eq(Vec3::new(0.0, 1.0, 1.0), 1e-5) && pick.normal.abs_diff_eq(Vec3::Z, 1e-5));
+    let pick = tracer.pick(0.5, 0.99).expect("it traces").expect("the ground");
+    assert_eq!((pick.shape, pick.material), (0, 1));
+    assert_eq!(tracer.pick(0.02, 0.02).expect("it traces"), None);
+}
+
+#[test]
+fn through_a_wide_lens_the_point_is_that_of_its_middle() {
+    let mut tracer = tracer([64, 48]);
+    let sharp = tracer.pick(0.5, 0.5).expect("it traces");
+    let camera = Camera { aperture_radius: 0.5, ..scene().camera };
+    tracer.set_camera(&camera, false).expect("another camera");
+    assert_eq!(tracer.pick(0.5, 0.5).expect("it traces"), sharp);
+}
+
+#[test]
+fn after_a_change_the_picture_is_coarse_at_once_and_whole_soon() {
+    let mut tracer = tracer([900, 700]);
+    settle(&mut tracer);
+    tracer.set_camera(&Camera { position: Vec3::new(0.5, 1.0, 4.0), ..scene().camera }, true).expect("a camera");
+    // Less time than a sample of every pixel takes.
+    tracer.trace(0.004).expect("it traces");
+    let [width, height] = tracer.film_size();
+    assert!(width < 900 && height < 700, "{width} x {height}");
+    tracer.trace(0.05).expect("it traces");
+    assert!(tracer.progress().samples > 0, "there is something to see");
+    assert!(tracer.is_moving() && !tracer.settled());
+    settle(&mut tracer);
+    assert_eq!(tracer.film_size(), [900, 700]);
+}
+
+#[test]
+fn a_change_is_never_mixed_with_what_was_before() {
+    let mut tracer = tracer([40, 30]);
+    settle(&mut tracer);
+    let camera = Camera { position: Vec3::new(1.0, 2.0, 4.0), ..scene().camera };
+    tracer.set_camera(&camera, true).expect("a camera");
+    settle(&mut tracer);
+    tracer.set_limit(Some(tracer.progress().samples));
+    let (film, samples) = tracer.radiance().expect("it traces");
+
+    let mut fresh = Scene { camera, ..scene() };
+    [fresh.render.width, fresh.render.height] = [40, 30];
+    let device_scene = DeviceScene::new(&fresh).expect("it fits");
+    let mut session = tracer.device().load(&device_scene).expect("it loads");
+    session.add_samples(0..30, 0..samples).expect("it traces");
+    assert_eq!(session.film().expect("the film"), film);
+}
+
+#[test]
+fn nothing_is_displayed_twice() {
+    let mut tracer = tracer([40, 30]);
+    settle(&mut tracer);
+    let look = Look::default();
+    assert!(tracer.display(look).expect("it displays").is_some());
+    assert!(tracer.display(look).expect("it displays").is_none());
+    assert!(tracer.display(Look { exposure: 1.0, ..look }).expect("it displays").is_some());
+    tracer.show_again();
+    assert!(tracer.display(Look { exposure: 1.0, ..look }).expect("it displays").is_some());
+}
+
+#[test]
+fn a_scene_that_no_device_can_hold_leaves_the_old_one() {
+    let mut tracer = tracer([40, 30]);
+    settle(&mut tracer);
+    let samples = tracer.progress().samples;
+    let bodies: String = (0..40)
+        .map(|i| format!("[[shapes]]\nmaterial = \"glass\"\nsphere = {{ center = [0, 1, 4], radius = {} }}\n", 10 + i))
+        .collect();
+    let text = format!(
+        "version = 1\n[camera]\nposition = [0, 1, 4]\nlook_at = [0, 1, 0]\nvertical_fov_degrees = 40\n\
+         [materials.glass]\nrefractive_index = 1.5\n{bodies}"
+    );
+    let too_much = Scene::parse(&text, "test").expect("a scene");
+    assert!(tracer.set_scene(&too_much, &too_much.camera).is_err());
+    assert_eq!(tracer.progress().samples, samples);
+    assert_eq!(tracer.scene().shapes.len(), 2);
+}
+
+#[test]
+fn rays_are_counted_from_some_rows() {
+    let mut tracer = tracer([40, 30]);
+    settle(&mut tracer);
+    tracer.set_limit(Some(1));
+    for _ in 0..200 {
+        tracer.count_rays().expect("the film");
+    }
+    let (film, _) = tracer.radiance().expect("it traces");
+    let exact = film.rays() as f64 / film.samples() as f64;
+    assert!((tracer.rays_per_sample() / exact - 1.0).abs() < 0.03, "{} for {exact}", tracer.rays_per_sample());
+}

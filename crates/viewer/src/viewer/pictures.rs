@@ -1,0 +1,103 @@
+//! The picture, on the screen and in files.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use raggio_render::{ImageFile, Pixels};
+
+use super::{Reading, Viewer};
+use crate::clock::Pace;
+use crate::command::ExportRequest;
+use crate::error::ViewError;
+use crate::export::Export;
+use crate::look::Look;
+
+/// After so long without input nobody waits for an answer.
+const UNTOUCHED: Duration = Duration::from_millis(300);
+
+impl Viewer {
+    pub(super) fn show(&mut self, look: Look) -> Result<(), ViewError> {
+        self.settings.look = look;
+        self.tracer.set_view(look.view)
+    }
+
+    /// Adds samples for as long as the frame has time: to what is seen until there is a picture, then to what is exported.
+    pub(crate) fn sample(&mut self) -> Result<(), ViewError> {
+        let pace = match () {
+            () if self.tracer.is_coarse() => Pace::Fluent,
+            () if self.untouched.elapsed() > UNTOUCHED && self.tracer.settled() => Pace::Alone,
+            () => Pace::Display,
+        };
+        let budget = self.clock.budget(pace);
+        let start = Instant::now();
+        let whole = self.tracer.is_whole();
+        let outcome = match self.export.take() {
+            Some(export) if whole => self.advance_export(export, budget),
+            export => {
+                self.export = export;
+                if whole && self.settings.paused { Ok(()) } else { self.tracer.trace(budget) }
+            }
+        };
+        self.clock.sampled(start.elapsed().as_secs_f64(), budget);
+        outcome
+    }
+
+    /// An export that fails is over.
+    fn advance_export(&mut self, mut export: Export, budget: f64) -> Result<(), ViewError> {
+        if export.advance(budget)? {
+            self.notices.done(format!("wrote {}", export.path().display()));
+        } else {
+            self.export = Some(export);
+        }
+        Ok(())
+    }
+
+    /// The picture, if it has changed.
+    pub(crate) fn picture(&mut self) -> Result<Option<(Pixels, [u32; 2])>, ViewError> {
+        self.tracer.display(self.settings.look)
+    }
+
+    /// Reads what is under a point of the picture (0 to 1 from the top left), and a row of the film for the statistics; as
+    /// long as there is a panel to show them.
+    pub(crate) fn read(&mut self, cursor: Option<[f32; 2]>) -> Result<(), ViewError> {
+        self.reading = None;
+        if !self.settings.panels {
+            return Ok(());
+        }
+        self.tracer.count_rays()?;
+        if let Some([x, y]) = cursor.filter(|_| self.tracer.settled()) {
+            let pixel = self.tracer.film_pixel(x, y);
+            let film = self.tracer.pixel(pixel)?;
+            self.reading = Some(Reading { pixel, film, pick: self.tracer.pick(x, y)? });
+        }
+        Ok(())
+    }
+
+    /// Writes the film as it is, or begins to render another picture for the file.
+    pub(super) fn begin_export(&mut self, request: &ExportRequest) -> Result<(), ViewError> {
+        if let Some(export) = &self.export {
+            let busy = export.path().display();
+            self.notices.fail(format!("{busy} is being rendered: {} has to wait", request.path.display()));
+            return Ok(());
+        }
+        let file = ImageFile::new(&request.path)?;
+        let display = self.settings.look.of_files();
+        let size = request.size.unwrap_or(self.tracer.full_size());
+        let (film, has) = self.tracer.radiance()?;
+        let samples = request.samples.unwrap_or(has).max(1);
+        if samples == has && size == [film.width(), film.height()] {
+            file.write(&film, display)?;
+            self.notices.done(format!("wrote {}, {samples} samples per pixel", file.path().display()));
+        } else {
+            self.export = Some(Export::begin(file, &self.tracer, size, samples, display)?);
+        }
+        Ok(())
+    }
+
+    /// In the current folder, after the scene, with the first free number.
+    pub(super) fn screenshot_name(&self) -> PathBuf {
+        let stem = self.document.path().file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let name = |number| PathBuf::from(format!("{stem}-window-{number}.png"));
+        (1..).map(name).find(|path| !path.exists()).unwrap_or_else(|| name(0))
+    }
+}

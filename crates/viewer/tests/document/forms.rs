@@ -1,0 +1,204 @@
+//! Every edit on every way to write a scene.
+
+use raggio_scene::{Environment, Filter, Geometry, Reflection, Vec3};
+
+use crate::{DOTTED, FORMS, HEADERS, INLINE, ball, check, document, edited, with};
+
+#[test]
+fn what_is_equal_changes_nothing() {
+    for text in FORMS {
+        let mut it = document(text);
+        let scene = it.scene().clone();
+        assert!(!it.set_camera(&scene.camera).unwrap());
+        assert!(!it.set_environment(&scene.environment).unwrap());
+        assert!(!it.set_render(&scene.render).unwrap());
+        for (index, material) in scene.materials.iter().enumerate() {
+            assert!(!it.set_material(index, material).unwrap());
+        }
+        for (index, shape) in scene.shapes.iter().enumerate() {
+            assert!(!it.set_shape(index, &shape.geometry, shape.material).unwrap());
+        }
+        assert_eq!((it.text(), it.can_undo()), (text, None));
+    }
+}
+
+#[test]
+fn a_camera_keeps_what_stays() {
+    for (text, old, new) in [
+        (HEADERS, "[0, 1.50,  4]   #", "[0, 1.50,  4.1]   #"),
+        (INLINE, "[0, 1.50, 4]", "[0, 1.50, 4.1]"),
+        (DOTTED, "[0, 1.50, 4]", "[0, 1.50, 4.1]"),
+    ] {
+        // The focus follows, as its absence says.
+        let after = edited(text, |it| {
+            let mut camera = it.scene().camera.clone();
+            camera.position.z = 4.1;
+            camera.focus_distance = (camera.look_at.as_dvec3() - camera.position.as_dvec3()).length() as f32;
+            it.set_camera(&camera).unwrap()
+        });
+        assert_eq!(after, with(text, old, new));
+    }
+}
+
+#[test]
+fn a_focus_that_stays_is_written_when_the_camera_moves() {
+    for (text, old, new) in [
+        (HEADERS, "_degrees = 40\n", "_degrees = 40\nfocus_distance = 4.031129\n"),
+        (INLINE, "_degrees = 40 }", "_degrees = 40, focus_distance = 4.031129 }"),
+        (DOTTED, "_degrees = 40\n", "_degrees = 40\ncamera.focus_distance = 4.031129\n"),
+    ] {
+        let after = edited(text, |it| {
+            let mut camera = it.scene().camera.clone();
+            camera.position.x = 1.0;
+            it.set_camera(&camera).unwrap()
+        });
+        let expected = with(text, old, new).replace("[0, 1.50", "[1, 1.50");
+        assert_eq!(after, expected);
+    }
+}
+
+#[test]
+fn a_material_gets_and_loses_keys() {
+    for (text, old, new) in [
+        (
+            HEADERS,
+            "color = [ 0.8, 0.1, 0.1 ] # blood\n",
+            "color = [ 1, 0.1, 0.1 ] # blood\nrefractive_index = 1.5\nreflection = 0.25\npriority = -1\n",
+        ),
+        (INLINE, "[0.8, 0.1, 0.1] }", "[1, 0.1, 0.1], refractive_index = 1.5, reflection = 0.25, priority = -1 }"),
+        (
+            DOTTED,
+            "color = [0.8, 0.1, 0.1]\n",
+            "color = [1, 0.1, 0.1]\nmaterials.red.refractive_index = 1.5\n\
+             materials.red.reflection = 0.25\nmaterials.red.priority = -1\n",
+        ),
+    ] {
+        let mut material = document(text).scene().materials[0].clone();
+        (material.color.x, material.refractive_index, material.priority) = (1.0, Some(1.5), -1);
+        material.reflection = Reflection::Probability(0.25);
+        let after = edited(text, |it| it.set_material(0, &material).unwrap());
+        assert_eq!(after, with(text, old, new));
+
+        let mut it = document(&after);
+        (material.refractive_index, material.reflection, material.priority) = (None, Reflection::Fresnel, 0);
+        assert!(it.set_material(0, &material).unwrap());
+        assert_eq!(it.scene().materials[0], material);
+        assert!(it.text().contains("reflection = \"fresnel\"") && !it.text().contains("refractive_index"));
+    }
+}
+
+#[test]
+fn a_lamp_without_a_color_keeps_the_old_one() {
+    for text in FORMS {
+        let mut it = document(text);
+        let mut material = it.scene().materials[1].clone();
+        material.emission_strength = 2.0;
+        assert!(it.set_material(1, &material).unwrap());
+        assert_eq!(it.scene().materials[1], material, "{}", it.text());
+    }
+}
+
+#[test]
+fn a_new_material_is_written_like_the_others() {
+    for (text, old, new) in [
+        (HEADERS, "\"matt white\"]\n", "\"matt white\"]\n\n[materials.red_2]\ncolor = [ 0.8, 0.1, 0.1 ]\n"),
+        (INLINE, "\"matt white\" = {} }", "\"matt white\" = {}, red_2 = { color = [0.8, 0.1, 0.1] } }"),
+        (DOTTED, "white\" = {}\n", "white\" = {}\nmaterials.red_2 = { color = [0.8, 0.1, 0.1] }\n"),
+    ] {
+        let after = edited(text, |it| {
+            let material = it.scene().materials[0].clone();
+            assert_eq!(it.add_material("red", &material).unwrap(), 2);
+            assert_eq!(it.scene().materials[2].color, material.color);
+            true
+        });
+        assert_eq!(after, with(text, old, &new.replace("[ 0.8, 0.1, 0.1 ]", "[0.8, 0.1, 0.1]")));
+    }
+}
+
+#[test]
+fn a_shape_moves_and_changes_material() {
+    for (text, material) in
+        [(HEADERS, "material = \"red\"\n"), (INLINE, "{ material = \"red\""), (DOTTED, "material = \"red\"\n")]
+    {
+        let after = edited(text, |it| it.set_shape(0, &ball([0.0, 1.25, 0.0], 1.0), 1).unwrap());
+        let expected = with(text, "center = [0, 1, 0]", "center = [0, 1.25, 0]");
+        assert_eq!(after, with(&expected, material, &material.replace("red", "matt white")));
+    }
+}
+
+#[test]
+fn a_plane_keeps_the_length_of_its_normal() {
+    for text in FORMS {
+        let Geometry::Plane { normal, .. } = document(text).scene().shapes[1].geometry else { panic!() };
+        let plane = Geometry::Plane { point: Vec3::new(0.0, -0.1, 0.0), normal };
+        let after = edited(text, |it| it.set_shape(1, &plane, 1).unwrap());
+        assert_eq!(after, with(text, "point = [0, 0, 0]", "point = [0, -0.1, 0]"));
+    }
+}
+
+#[test]
+fn a_shape_becomes_another() {
+    let size = Vec3::new(1.0, 2.0, 0.5);
+    for text in FORMS {
+        for rotation_degrees in [Vec3::ZERO, Vec3::new(0.0, 45.0, 0.0)] {
+            let cuboid = Geometry::Box { center: Vec3::ZERO, size, rotation_degrees };
+            for index in 0..2 {
+                let after = edited(text, |it| it.set_shape(index, &cuboid, 0).unwrap());
+                let it = document(&after);
+                assert_eq!((&it.scene().shapes[index].geometry, it.scene().shapes[index].material), (&cuboid, 0));
+                assert_eq!(after.contains("rotation"), rotation_degrees != Vec3::ZERO);
+                assert!(after.contains("box = { center = [0, 0, 0], size = [1, 2, 0.5]"), "{after}");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_environment_comes_and_changes() {
+    let gradient = Environment::Gradient { horizon: Vec3::ONE, zenith: Vec3::new(0.5, 0.7, 1.0) };
+    let gray = Environment::Constant(Vec3::splat(0.1));
+    for text in FORMS {
+        let after = edited(text, |it| it.set_environment(&gray).unwrap());
+        assert!(after.contains("\n[environment]\ncolor = [0.1, 0.1, 0.1]\n"), "{after}");
+        let mut it = document(&after);
+        assert!(it.set_environment(&gradient).unwrap());
+        assert!(it.text().contains("[environment]\nhorizon = [1, 1, 1]\nzenith = [0.5, 0.7, 1]\n"), "{}", it.text());
+        assert!(it.set_environment(&Environment::Constant(Vec3::ZERO)).unwrap());
+        assert!(it.text().contains("[environment]\ncolor = [0, 0, 0]\n"), "{}", it.text());
+        check(&it);
+    }
+    let after = edited(HEADERS, |it| it.set_environment(&gray).unwrap());
+    assert!(after.contains("degrees = 40\n\n[environment]\ncolor = [0.1, 0.1, 0.1]\n\n# The red one."), "{after}");
+
+    for (own, new) in [
+        ("environment = { color = [1, 1, 1] }", "environment = { horizon = [1, 1, 1], zenith = [0.5, 0.7, 1] }"),
+        ("environment.color = [1, 1, 1]", "environment.horizon = [1, 1, 1]\nenvironment.zenith = [0.5, 0.7, 1]"),
+    ] {
+        let text = INLINE.replace("shapes = [", &format!("{own}\nshapes = ["));
+        let after = edited(&text, |it| it.set_environment(&gradient).unwrap());
+        // The keys are new, so that the order of the root's own may differ.
+        assert!(after.contains(new), "{after}");
+    }
+}
+
+#[test]
+fn render_settings_come_and_change() {
+    for text in FORMS {
+        let mut it = document(text);
+        let mut render = it.scene().render.clone();
+        (render.samples, render.filter, render.surface_offset) = (16, Filter::Point, false);
+        assert!(it.set_render(&render).unwrap());
+        let keys = "[render]\nsamples = 16\nfilter = \"point\"\nsurface_offset = false\n";
+        assert!(it.text().contains(keys), "{}", it.text());
+        render.samples = 256;
+        assert!(it.set_render(&render).unwrap());
+        assert!(it.text().contains("samples = 256\n"));
+        assert_eq!(it.scene().render, render);
+        check(&it);
+    }
+    let after = edited(HEADERS, |it| {
+        let render = raggio_scene::RenderSettings { seed: 7, ..it.scene().render.clone() };
+        it.set_render(&render).unwrap()
+    });
+    assert!(after.starts_with("# A scene.\nversion = 1\n\n[render]\nseed = 7\n\n[camera] # where from\n"), "{after}");
+}
