@@ -149,11 +149,13 @@ get_python_tools() {
     fi
 }
 
-# ---- Vulkan for the tests: loader, validation layers, and lavapipe, a device that needs no GPU
+# ---- Vulkan for the tests: loader, validation layers, lavapipe, a device that needs no GPU, and a virtual screen
 
 has_vulkan_for_tests() {
-    local data=/usr/share/vulkan
-    PATH=$PATH:/sbin ldconfig -p 2>/dev/null | grep -F libvulkan.so.1 >/dev/null &&
+    local data=/usr/share/vulkan libraries
+    libraries=$(PATH=$PATH:/sbin ldconfig -p 2>/dev/null)
+    [[ $libraries == *libvulkan.so.1* && $libraries == *libxkbcommon-x11.so.0* && $libraries == *libXcursor.so.1* ]] &&
+        command -v Xvfb >/dev/null &&
         compgen -G "$data/icd.d/lvp_icd*.json" >/dev/null &&
         [ -e "${VK_LAYER_PATH:-$data/explicit_layer.d}/VkLayer_khronos_validation.json" ]
 }
@@ -191,7 +193,7 @@ END
 
 # Never fails the set-up: the tests themselves say which of them were skipped.
 get_vulkan_for_tests() {
-    local packages="libvulkan1 vulkan-validationlayers mesa-vulkan-drivers"
+    local packages="libvulkan1 vulkan-validationlayers mesa-vulkan-drivers xvfb libxkbcommon-x11-0 libxcursor1 libxi6 libxrandr2"
     has_vulkan_for_tests && { [ -e "$stamp-vulkan" ] || ! wants_newer_mesa; } && return
     if [ "$(id -u)" = 0 ] && has_apt; then
         say "installing $packages with apt-get, for the tests"
@@ -201,9 +203,10 @@ get_vulkan_for_tests() {
         if apt_install $packages && has_vulkan_for_tests; then touch "$stamp-vulkan" && return; fi
     fi
     has_vulkan_for_tests ||
-        warn "some Vulkan tests will be skipped. They use the Vulkan loader, validation layers and Mesa's lavapipe:" \
-            "Debian/Ubuntu $packages; Fedora vulkan-loader vulkan-validation-layers mesa-vulkan-drivers;" \
-            "Arch vulkan-icd-loader vulkan-validation-layers vulkan-swrast; macOS has no lavapipe."
+        warn "some Vulkan tests will be skipped. They use the Vulkan loader, validation layers, Mesa's lavapipe and Xvfb:" \
+            "Debian/Ubuntu $packages; Fedora vulkan-loader vulkan-validation-layers mesa-vulkan-drivers" \
+            "xorg-x11-server-Xvfb libxkbcommon-x11 libXcursor libXi; Arch vulkan-icd-loader vulkan-validation-layers" \
+            "vulkan-swrast xorg-server-xvfb libxkbcommon-x11 libxcursor libxi; macOS has no lavapipe."
 }
 
 # ---- What is done

@@ -16,6 +16,8 @@ pub struct Arguments {
 pub enum Command {
     /// Render a scene to image files
     Render(RenderArguments),
+    /// Open a scene in a window and fly through it while the picture converges
+    View(ViewArguments),
     /// List the devices that can render, and what they lack if anything
     Devices,
     /// Read a scene and say what is wrong with it, if anything
@@ -65,6 +67,32 @@ pub struct DemoArguments {
     pub overrides: Overrides,
 }
 
+#[derive(Args)]
+pub struct ViewArguments {
+    /// Scene file (.toml)
+    pub scene: PathBuf,
+    #[command(flatten)]
+    pub machine: MachineArguments,
+    /// Size of the window; the picture takes what the panels leave of it
+    #[arg(long, value_name = "WxH", default_value = "1280x800")]
+    pub size: Size,
+    /// Pixels in a point of the panels [default: as the desktop says]
+    #[arg(long, value_name = "FACTOR", value_parser = scale)]
+    pub scale: Option<f32>,
+    /// Play a script: a turntable, a benchmark (docs/viewer.md lists its words)
+    #[arg(long, value_name = "FILE")]
+    pub play: Option<PathBuf>,
+    /// Compile the kernels in this folder again whenever they change [default: the folder this program was built from]
+    #[arg(long, value_name = "FOLDER", num_args = 0..=1, default_missing_value = raggio_render::KERNELS_FOLDER)]
+    pub watch_kernels: Option<PathBuf>,
+    /// Draw the frames, but open no window: needs no display, only a script
+    #[arg(long, requires = "play")]
+    pub hidden: bool,
+    /// Write the script's frame times to this file, as JSON
+    #[arg(long, value_name = "FILE", requires = "play")]
+    pub stats: Option<PathBuf>,
+}
+
 /// What to render on, and how loudly.
 #[derive(Args)]
 pub struct MachineArguments {
@@ -85,6 +113,7 @@ impl MachineArguments {
         OpenOptions {
             cpu: CpuOptions { threads: self.threads.unwrap_or(0) as usize, ..CpuOptions::default() },
             validate: std::env::var_os("RAGGIO_VALIDATE").is_some_and(|value| value == "1"),
+            instance: None,
         }
     }
 }
@@ -121,6 +150,10 @@ impl FromStr for Size {
             .and_then(|(width, height)| Some(Self { width: side(width)?, height: side(height)? }))
             .ok_or_else(|| "give width and height in pixels, each 1 to 65536, as in 1280x720".into())
     }
+}
+
+fn scale(text: &str) -> Result<f32, String> {
+    text.parse().ok().filter(|scale| (0.25..=8.0).contains(scale)).ok_or_else(|| "give a number from 0.25 to 8".into())
 }
 
 fn stops(text: &str) -> Result<f32, String> {

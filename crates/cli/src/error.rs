@@ -1,8 +1,9 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use raggio_render::{DeviceError, OutputError, TranslationError};
+use raggio_render::{DeviceError, OutputError, TooLarge, TranslationError};
 use raggio_scene::SceneError;
+use raggio_viewer::ViewError;
 
 /// Whose fault it is decides the exit status; the text is one sentence for the user.
 #[derive(Debug)]
@@ -48,9 +49,21 @@ impl From<TranslationError> for Failure {
     }
 }
 
+impl From<TooLarge> for Failure {
+    fn from(error: TooLarge) -> Self {
+        Self::Input(error.to_string())
+    }
+}
+
 impl From<DeviceError> for Failure {
     fn from(error: DeviceError) -> Self {
         Self::Device(error.to_string())
+    }
+}
+
+impl From<ViewError> for Failure {
+    fn from(error: ViewError) -> Self {
+        if error.is_input() { Self::Input(error.to_string()) } else { Self::Device(error.to_string()) }
     }
 }
 

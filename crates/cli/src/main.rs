@@ -7,6 +7,7 @@ mod output;
 mod progress;
 mod render;
 mod stats;
+mod view;
 
 use std::process::ExitCode;
 
@@ -23,6 +24,7 @@ fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Render(arguments) => render::render(&arguments),
         Command::Demo(arguments) => render::demo(&arguments),
+        Command::View(arguments) => view::view(&arguments),
         Command::Devices => listing::devices(),
         Command::Check { scene } => listing::check(&scene),
         Command::Schema => listing::schema(),

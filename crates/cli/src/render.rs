@@ -68,7 +68,7 @@ impl Job<'_> {
             raggio_render::check_writable(path).map_err(|e| cannot_write(path, &e))?;
         }
         self.override_settings(&mut scene);
-        check_memory(&scene)?;
+        raggio_render::check_memory(scene.render.width, scene.render.height)?;
         let warn = |warning: &str| {
             if !self.machine.quiet {
                 say(format_args!("warning: {warning}"));
@@ -171,18 +171,4 @@ fn report(reporter: &Reporter, film: &Film, progress: &Progress, target: u32) {
         millions(progress.total_samples as f64 / seconds),
         millions(film.rays() as f64 / seconds),
     ));
-}
-
-/// The film and its copies while files are written must fit the machine, or the system would end the program halfway.
-fn check_memory(scene: &Scene) -> Result<(), Failure> {
-    let (width, height) = (scene.render.width, scene.render.height);
-    let needed = raggio_render::film_bytes(width, height) * 3;
-    match raggio_render::total_memory_bytes() {
-        Some(available) if needed > available => Err(Failure::Input(format!(
-            "an image of {width}x{height} pixels needs {:.1} GiB of memory, and this machine has {:.1}",
-            needed as f64 / (1u64 << 30) as f64,
-            available as f64 / (1u64 << 30) as f64
-        ))),
-        _ => Ok(()),
-    }
 }

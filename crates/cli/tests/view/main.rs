@@ -1,0 +1,63 @@
+//! The window, played by scripts: on a virtual screen, and hidden.
+//!
+//! Needs a Vulkan device that can draw, such as lavapipe, with validation layers, and Xvfb for the tests with a window;
+//! where they are missing the tests say so and pass, unless `RAGGIO_TEST_EVERYTHING=1` says that they have to be there.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod desk;
+mod hidden;
+mod refusals;
+mod window;
+
+use std::path::Path;
+
+/// Noisy enough that no two samples are alike.
+const SCENE: &str = r#"version = 1
+[camera] # from the front
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[environment]
+horizon = [1, 1, 1]
+zenith = [0.2, 0.4, 1.0]
+[materials.clay]
+color = [0.8, 0.4, 0.2]
+[materials.glass]
+color = [1, 1, 1]
+refractive_index = 1.5
+[[shapes]] # the ground
+material = "clay"
+plane = { point = [0, 0, 0], normal = [0, 1, 0] }
+[[shapes]]
+material = "clay"
+sphere = { center = [0, 1, 0], radius = 1 }
+[[shapes]]
+material = "glass"
+sphere = { center = [1.4, 0.5, 0.8], radius = 0.5 }
+"#;
+
+/// Size and linear radiance of an EXR.
+fn read_exr(path: &Path) -> (usize, usize, Vec<[f32; 3]>) {
+    let image = exr::prelude::read_first_rgba_layer_from_file(
+        path,
+        |size, _| (size.width(), size.height(), vec![[0f32; 3]; size.area()]),
+        |(width, _, pixels), position, (r, g, b, _): (f32, f32, f32, f32)| {
+            pixels[position.y() * *width + position.x()] = [r, g, b];
+        },
+    );
+    image.unwrap_or_else(|error| panic!("{}: {error}", path.display())).layer_data.channel_data.pixels
+}
+
+/// The bits of two EXRs, which have to be the same.
+#[track_caller]
+fn assert_same_picture(a: &Path, b: &Path) {
+    let bits = |path| {
+        let (width, height, pixels) = read_exr(path);
+        (width, height, pixels.into_iter().map(|pixel| pixel.map(f32::to_bits)).collect::<Vec<_>>())
+    };
+    let (a_bits, b_bits) = (bits(a), bits(b));
+    assert_eq!((a_bits.0, a_bits.1), (b_bits.0, b_bits.1), "sizes differ");
+    let different = a_bits.2.iter().zip(&b_bits.2).filter(|(a, b)| a != b).count();
+    assert_eq!(different, 0, "pixels differ between {} and {}", a.display(), b.display());
+}
