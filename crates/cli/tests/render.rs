@@ -329,3 +329,18 @@ fn every_scene_of_the_project_passes_its_check() {
     }
     assert!(checked > 20, "only {checked} scenes found");
 }
+
+#[test]
+fn the_same_render_is_the_same_file() {
+    let folder = folder_with(SCENE);
+    let render = |name: &str| {
+        // Large enough for several blocks of an EXR, which threads compress at once.
+        let arguments = ["render", "scene.toml", "--device", "cpu", "--size", "200x150", "--samples", "2", "-o", name];
+        assert!(raggio(folder.path(), &arguments).status.success());
+        std::fs::read(folder.path().join(name)).expect("a picture")
+    };
+    let first = render("0.exr");
+    for again in 1..4 {
+        assert!(render(&format!("{again}.exr")) == first, "run {again} wrote another file");
+    }
+}

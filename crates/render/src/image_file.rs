@@ -159,5 +159,7 @@ fn write_exr(film: &Film, to: &mut (impl Write + io::Seek)) -> io::Result<()> {
     let software = concat!("raggio ", env!("CARGO_PKG_VERSION"));
     image.layer_data.attributes.software_name = Some(software.into());
     image.layer_data.encoding.compression = exr::prelude::Compression::ZIP16;
+    // Otherwise blocks are written in the order in which threads compress them, and no two files are the same.
+    image.layer_data.encoding.line_order = exr::prelude::LineOrder::Increasing;
     image.write().to_buffered(to).map_err(io::Error::other)
 }

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 /// No frame spends more seconds on samples, or the window would seem to hang.
 const SLOWEST: f64 = 0.1;
 
-/// At this many seconds from frame to frame motion still looks like motion.
-const FLUENT: f64 = 1.0 / 32.0;
+/// At this many seconds from frame to frame motion still looks like motion, even if one comes late.
+const FLUENT: f64 = 1.0 / 38.0;
 
 /// Part of a frame's time that is planned for: what comes a moment too late is shown a whole frame too late.
 const PUNCTUAL: f64 = 0.85;
