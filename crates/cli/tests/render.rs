@@ -4,7 +4,7 @@ mod common;
 
 use std::path::Path;
 
-use common::{SCENE, assert_refused, folder_with, project_file, raggio, text};
+use common::{SCENE, assert_refused, folder_with, project_file, raggio, read_exr, text};
 
 fn files_in(folder: &Path) -> Vec<String> {
     let mut names: Vec<_> = std::fs::read_dir(folder)
@@ -13,18 +13,6 @@ fn files_in(folder: &Path) -> Vec<String> {
         .collect();
     names.sort();
     names
-}
-
-fn read_exr(path: &Path) -> (usize, usize, Vec<[f32; 3]>) {
-    let image = exr::prelude::read_first_rgba_layer_from_file(
-        path,
-        |size, _| (size.width(), size.height(), vec![[0f32; 3]; size.area()]),
-        |(width, _, pixels), position, (r, g, b, _): (f32, f32, f32, f32)| {
-            pixels[position.y() * *width + position.x()] = [r, g, b];
-        },
-    )
-    .expect("an EXR");
-    image.layer_data.channel_data.pixels
 }
 
 #[test]

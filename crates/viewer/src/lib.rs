@@ -9,6 +9,7 @@ mod command;
 pub mod document;
 mod error;
 mod export;
+mod fields;
 mod hidden;
 mod input;
 mod kernels;

@@ -10,6 +10,7 @@ const BRIEF: Duration = Duration::from_secs(6);
 pub struct Notices {
     all: Vec<Notice>,
     failures: Vec<String>,
+    of_scene: Vec<String>,
 }
 
 /// One sentence.
@@ -66,12 +67,11 @@ impl Notices {
 
     /// What is worth a second look in the scene as it is now.
     pub fn warn_of_scene(&mut self, warnings: &[String]) {
+        // What was sent away does not come back with the next edit.
+        let known = std::mem::replace(&mut self.of_scene, warnings.to_vec());
         self.all.retain(|notice| notice.kind != Kind::Scene || warnings.contains(&notice.text));
-        for warning in warnings {
-            if self.all.iter().all(|notice| notice.text != *warning) {
-                self.say(Kind::Scene, warning.clone());
-            }
-        }
+        let new = warnings.iter().filter(|warning| !known.contains(warning));
+        new.for_each(|warning| self.say(Kind::Scene, warning.clone()));
     }
 
     /// Something was done after all: what failed before is no news any more.
@@ -110,5 +110,47 @@ impl Notices {
         const MOST: usize = 6;
         let too_many = self.all.len().saturating_sub(MOST);
         self.all.drain(..too_many);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texts(notices: &mut Notices) -> Vec<String> {
+        notices.current().iter().map(|notice| notice.text.clone()).collect()
+    }
+
+    #[test]
+    fn what_failed_is_remembered_even_when_it_is_no_longer_shown() {
+        let mut notices = Notices::default();
+        notices.fail("no such key");
+        notices.fault("scene.toml:3: wrong");
+        assert_eq!(texts(&mut notices), ["no such key", "scene.toml:3: wrong"]);
+        notices.forgive();
+        notices.mended();
+        assert_eq!(texts(&mut notices), Vec::<String>::new());
+        assert_eq!(notices.failures(), ["no such key"], "a file that was mended is none");
+    }
+
+    #[test]
+    fn warnings_of_the_scene_last_as_long_as_they_are_true_or_until_they_are_sent_away() {
+        let mut notices = Notices::default();
+        let (dark, half) = ("nothing shines".to_owned(), "a half-space".to_owned());
+        notices.warn_of_scene(std::slice::from_ref(&dark));
+        notices.dismiss(0);
+        notices.warn_of_scene(&[dark.clone(), half.clone()]);
+        assert_eq!(texts(&mut notices), [half]);
+        notices.warn_of_scene(&[]);
+        notices.warn_of_scene(std::slice::from_ref(&dark));
+        assert_eq!(texts(&mut notices), [dark]);
+    }
+
+    #[test]
+    fn what_piles_up_makes_room() {
+        let mut notices = Notices::default();
+        (0..20).for_each(|i| notices.done(format!("{i}")));
+        notices.done("19");
+        assert_eq!(texts(&mut notices), ["14", "15", "16", "17", "18", "19"]);
     }
 }

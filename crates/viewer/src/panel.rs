@@ -13,43 +13,10 @@ mod theme;
 use egui::{Panel, ScrollArea, Ui};
 
 use crate::command::Command;
-use crate::document::Document;
+use crate::fields::Fields;
 use crate::viewer::Viewer;
 
 pub use theme::apply as apply_theme;
-
-/// What has been typed and is not yet asked for.
-#[derive(Clone, Debug, Default)]
-pub struct Fields {
-    save_path: String,
-    export_path: String,
-    export_size: Option<[u32; 2]>,
-    export_samples: Option<u32>,
-    reference_path: String,
-    open_path: String,
-    /// The shape that the list has been scrolled to.
-    scrolled_to: Option<usize>,
-}
-
-impl Fields {
-    /// For a document that has just been opened.
-    pub fn new(document: &Document) -> Self {
-        let stem = document.path().file_stem().unwrap_or_default().to_string_lossy();
-        Self { save_path: document.path().display().to_string(), export_path: format!("{stem}.exr"), ..Self::default() }
-    }
-}
-
-impl Fields {
-    /// Another picture is compared with.
-    pub fn compared_with(&mut self, path: Option<&std::path::Path>) {
-        self.reference_path = path.map(|path| path.display().to_string()).unwrap_or_default();
-    }
-
-    /// The scene has another file now.
-    pub fn saved_as(&mut self, path: &std::path::Path) {
-        self.save_path = path.display().to_string();
-    }
-}
 
 /// Draws the panels and says what they ask for.
 pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Vec<Command>) {

@@ -88,12 +88,9 @@ impl Screen {
         let scale = output.pixels_per_point;
         self.act(viewer, area, scale, &input, commands, seconds)?;
 
-        let sampled = viewer.sample();
-        viewer.survive(sampled)?;
-        let pixels = match viewer.picture() {
-            Ok(pixels) => pixels,
-            Err(error) => viewer.survive(Err(error)).map(|()| None)?,
-        };
+        viewer.attempt(Viewer::sample)?;
+        let mut pixels = None;
+        viewer.attempt(|viewer| viewer.picture().map(|picture| pixels = picture))?;
         let pixels = pixels.as_ref().map(|(pixels, size)| Picture { pixels: borrowed(pixels), size: *size });
         let primitives = self.ctx.tessellate(output.shapes, scale);
         let screenshot = viewer.outgoing.screenshot.is_some();
@@ -141,18 +138,11 @@ impl Screen {
             commands.push(Command::EndGesture);
         }
         viewer.apply(commands)?;
-        let steps: [&dyn Fn(&mut Viewer) -> Result<(), ViewError>; 5] = [
-            &|viewer| viewer.follow_file(),
-            &|viewer| viewer.follow_kernels(),
-            &|viewer| viewer.resize(picture_size(area, scale)),
-            &|viewer| viewer.steer(&input.hands, seconds),
-            &|viewer| viewer.read(input.hands.cursor),
-        ];
-        for step in steps {
-            let outcome = step(viewer);
-            viewer.survive(outcome)?;
-        }
-        Ok(())
+        viewer.attempt(Viewer::follow_file)?;
+        viewer.attempt(Viewer::follow_kernels)?;
+        viewer.attempt(|viewer| viewer.resize(picture_size(area, scale)))?;
+        viewer.attempt(|viewer| viewer.steer(&input.hands, seconds))?;
+        viewer.attempt(|viewer| viewer.read(input.hands.cursor))
     }
 }
 

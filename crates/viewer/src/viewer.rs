@@ -16,10 +16,10 @@ use crate::command::{Command, Navigate};
 use crate::document::Document;
 use crate::error::ViewError;
 use crate::export::Export;
+use crate::fields::Fields;
 use crate::kernels::KernelWatch;
 use crate::look::Look;
 use crate::notices::Notices;
-use crate::panel::Fields;
 use crate::pilot::{Hands, Pilot};
 use crate::play::State;
 use crate::tracer::{Pick, Tracer};
@@ -179,15 +179,15 @@ impl Viewer {
     pub fn apply(&mut self, commands: Vec<Command>) -> Result<(), ViewError> {
         let mut outcome = Ok(());
         for command in commands {
-            let done = self.execute(command);
-            outcome = outcome.and(self.survive(done));
+            let done = self.attempt(|viewer| viewer.execute(command));
+            outcome = outcome.and(done);
         }
         outcome
     }
 
-    /// Says what failed; only the loss of a device is passed on.
-    pub(crate) fn survive(&mut self, outcome: Result<(), ViewError>) -> Result<(), ViewError> {
-        match outcome {
+    /// Tries something and says what failed; only the loss of a device is passed on.
+    pub(crate) fn attempt(&mut self, what: impl FnOnce(&mut Self) -> Result<(), ViewError>) -> Result<(), ViewError> {
+        match what(self) {
             Err(error) if !error.is_device_lost() => {
                 self.notices.fail(error);
                 Ok(())

@@ -148,8 +148,8 @@ impl Swapchain {
 
     /// The next image to draw into.
     pub fn acquire(&self) -> Result<Acquired, VulkanError> {
-        // SAFETY: the semaphore is not in use: the last submission that waited for it has been waited for.
         let patience = PATIENCE.as_nanos() as u64;
+        // SAFETY: the semaphore is not in use: the last submission that waited for it has been waited for.
         let acquired = unsafe { self.loader.acquire_next_image(self.raw, patience, self.acquired, vk::Fence::null()) };
         match acquired {
             Ok((index, _)) => Ok(Acquired::Image(index as usize)),

@@ -54,3 +54,16 @@ pub fn assert_refused(output: &Output, message: &str) {
     assert_eq!(text(&output.stdout), "");
     assert!(errors.contains(message), "expected `{message}` in:\n{errors}");
 }
+
+/// Size and linear radiance of an EXR.
+#[allow(dead_code)]
+pub fn read_exr(path: &Path) -> (usize, usize, Vec<[f32; 3]>) {
+    let image = exr::prelude::read_first_rgba_layer_from_file(
+        path,
+        |size, _| (size.width(), size.height(), vec![[0f32; 3]; size.area()]),
+        |(width, _, pixels), position, (r, g, b, _): (f32, f32, f32, f32)| {
+            pixels[position.y() * *width + position.x()] = [r, g, b];
+        },
+    );
+    image.unwrap_or_else(|error| panic!("{}: {error}", path.display())).layer_data.channel_data.pixels
+}

@@ -3,9 +3,10 @@
 use image::RgbImage;
 
 use crate::SCENE;
+use crate::assert_same_picture;
 use crate::common::project_file;
+use crate::common::read_exr;
 use crate::desk::{Desk, can_draw};
-use crate::{assert_same_picture, read_exr};
 
 #[test]
 fn a_scene_that_is_opened_and_saved_stays_as_it_is() {

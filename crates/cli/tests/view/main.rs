@@ -12,6 +12,8 @@ mod window;
 
 use std::path::Path;
 
+use common::read_exr;
+
 /// Noisy enough that no two samples are alike.
 const SCENE: &str = r#"version = 1
 [camera] # from the front
@@ -36,18 +38,6 @@ sphere = { center = [0, 1, 0], radius = 1 }
 material = "glass"
 sphere = { center = [1.4, 0.5, 0.8], radius = 0.5 }
 "#;
-
-/// Size and linear radiance of an EXR.
-fn read_exr(path: &Path) -> (usize, usize, Vec<[f32; 3]>) {
-    let image = exr::prelude::read_first_rgba_layer_from_file(
-        path,
-        |size, _| (size.width(), size.height(), vec![[0f32; 3]; size.area()]),
-        |(width, _, pixels), position, (r, g, b, _): (f32, f32, f32, f32)| {
-            pixels[position.y() * *width + position.x()] = [r, g, b];
-        },
-    );
-    image.unwrap_or_else(|error| panic!("{}: {error}", path.display())).layer_data.channel_data.pixels
-}
 
 /// The bits of two EXRs, which have to be the same.
 #[track_caller]

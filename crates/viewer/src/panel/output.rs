@@ -2,9 +2,9 @@
 
 use egui::{DragValue, ProgressBar, TextEdit, Ui};
 
-use super::Fields;
 use super::controls::{row, table};
 use crate::command::{Command, ExportRequest};
+use crate::fields::Fields;
 use crate::viewer::Viewer;
 
 /// Save, open, export.

@@ -3,9 +3,9 @@
 use egui::{ComboBox, DragValue, Slider, SliderClamping, TextEdit, Ui};
 use raggio_render::{Comparison, View};
 
-use super::Fields;
 use super::controls::{row, table};
 use crate::command::Command;
+use crate::fields::Fields;
 use crate::look::Look;
 use crate::names::{COMPARISONS, TONE_MAPPERS, VIEWS};
 use crate::viewer::Viewer;

@@ -9,8 +9,8 @@ use raggio_render::bounds;
 use raggio_scene::{Geometry, Scene, Vec3};
 
 use crate::command::{Command, Edit, Navigate};
+use crate::fields::Fields;
 use crate::navigation::axes;
-use crate::panel::Fields;
 use crate::viewer::Viewer;
 
 /// The list of shapes, and an editor for the chosen one.
@@ -82,7 +82,8 @@ fn history(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         button(ui, "Undo", "Ctrl+Z", viewer.document.can_undo(), Command::Undo);
         button(ui, "Redo", "Ctrl+Shift+Z", viewer.document.can_redo(), Command::Redo);
-        ui.label(egui::RichText::new(format!("{} shapes", viewer.scene().shapes.len())).weak());
+        let count = viewer.scene().shapes.len();
+        ui.label(egui::RichText::new(format!("{count} {}", if count == 1 { "shape" } else { "shapes" })).weak());
     });
 }
 

@@ -7,9 +7,9 @@ use raggio_render::{Comparison, Device, Image, VulkanDevice};
 use super::Viewer;
 use crate::document::Document;
 use crate::error::ViewError;
+use crate::fields::Fields;
 use crate::kernels::KernelWatch;
 use crate::look::Look;
-use crate::panel::Fields;
 use crate::pilot::Pilot;
 use crate::watch::Watch;
 
