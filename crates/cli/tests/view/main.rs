@@ -6,6 +6,8 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod desk;
+#[cfg(all(unix, not(target_os = "macos")))]
+mod hands;
 mod hidden;
 mod refusals;
 mod window;
