@@ -81,7 +81,9 @@ impl ApplicationHandler for App<'_> {
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(shown) = &mut self.shown else { return };
-        if shown.egui.on_window_event(&shown.window, &event).repaint {
+        // A frame that is due is no reason for another one.
+        let asks = shown.egui.on_window_event(&shown.window, &event).repaint;
+        if asks && event != WindowEvent::RedrawRequested {
             shown.window.request_redraw();
         }
         match event {

@@ -37,10 +37,16 @@ impl Desk {
 
     /// Starts `raggio view scene.toml` with a script.
     pub fn start(&self, script: &str, arguments: &[&str], display: Option<&Screen>) -> Run {
-        let lock = ONE_AT_A_TIME.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         std::fs::write(self.path("script.play"), script).expect("the script is written");
+        let script = ["--play", "script.play", "--stats", "stats.json"];
+        self.open(&[&script, arguments].concat(), display)
+    }
+
+    /// Starts `raggio view scene.toml` for hands to play with.
+    pub fn open(&self, arguments: &[&str], display: Option<&Screen>) -> Run {
+        let lock = ONE_AT_A_TIME.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let mut command = Command::new(env!("CARGO_BIN_EXE_raggio"));
-        command.args(["view", "scene.toml", "--play", "script.play", "--stats", "stats.json"]).args(arguments);
+        command.args(["view", "scene.toml"]).args(arguments);
         command.current_dir(self.folder()).env("RAGGIO_VALIDATE", "1");
         command.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").env_remove("DISPLAY");
         match display {
@@ -100,6 +106,17 @@ impl Run {
             assert!(over.is_none(), "the program ended before it wrote {}", path.display());
             self.rest();
         }
+    }
+
+    /// The program's number.
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// Ends the program, whatever it is doing.
+    pub fn kill(mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
     }
 
     /// Waits until the program ends.

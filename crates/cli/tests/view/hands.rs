@@ -37,6 +37,35 @@ fn real_hands_select_delete_and_save() {
     assert_eq!(desk.read("scene.toml"), without);
 }
 
+#[test]
+#[cfg(target_os = "linux")]
+fn a_window_in_which_nothing_happens_takes_no_time_of_the_processor() {
+    const SPACE: u32 = 0x20;
+    let Some(screen) = Screen::new().filter(|_| can_draw()) else { return };
+    let desk = Desk::new(SCENE);
+    let run = desk.open(&["--device", "cpu", "--size", "500x300"], Some(&screen));
+    // Seconds of processor time, in hundredths, as Linux counts them.
+    let used = || {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", run.id())).expect("the program runs");
+        let after_name = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect::<Vec<_>>();
+        let field = |place: usize| after_name[place].parse::<u64>().expect("a number");
+        field(11) + field(12)
+    };
+    let over = |time: Duration| {
+        let before = used();
+        std::thread::sleep(time);
+        used() - before
+    };
+    std::thread::sleep(Duration::from_secs(4));
+    let hands = Hands::new(screen.name());
+    assert!(over(Duration::from_secs(2)) > 50, "it samples for ever");
+    hands.key(SPACE);
+    std::thread::sleep(Duration::from_secs(1));
+    let paused = over(Duration::from_secs(2));
+    run.kill();
+    assert!(paused < 10, "{paused} hundredths of a second while it is paused");
+}
+
 /// What a user has at a desktop, on the only window of a screen.
 struct Hands {
     server: RustConnection,
