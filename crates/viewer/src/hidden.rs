@@ -8,16 +8,16 @@ use raggio_vulkan::Instance;
 
 use crate::error::ViewError;
 use crate::play::WindowStep;
-use crate::stage::{Opener, Stage};
+use crate::stage::{Files, Opener, Stage};
 use crate::{Options, Report};
 
 /// Plays the script of `options` to its end.
-pub fn run(options: &Options) -> Result<Report, ViewError> {
+pub fn run(options: &Options, files: Files) -> Result<Report, ViewError> {
     let instance = Instance::new(options.open.validate)?;
     let opener = Opener::new(options, instance.clone());
     let mut size = options.size;
     let mut scale = options.scale.unwrap_or(1.0);
-    let mut stage = Stage::new(options, opener, None, size, Arc::new(|| ()))?;
+    let mut stage = Stage::new(options, files, opener, None, size, Arc::new(|| ()))?;
     let start = Instant::now();
     loop {
         let raw = raw_input(size, scale, start.elapsed().as_secs_f64());

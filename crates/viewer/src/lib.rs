@@ -83,5 +83,6 @@ impl Report {
 
 /// Shows a scene until the window is closed, or the script is over.
 pub fn view(options: &Options) -> Result<Report, ViewError> {
-    if options.hidden { hidden::run(options) } else { window::run(options) }
+    let files = stage::Files::read(options)?;
+    if options.hidden { hidden::run(options, files) } else { window::run(options, files) }
 }

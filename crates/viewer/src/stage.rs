@@ -30,6 +30,20 @@ pub struct Stage {
     last: Instant,
 }
 
+/// The files that have to be right before a window opens.
+pub struct Files {
+    document: Document,
+    player: Option<Player>,
+}
+
+impl Files {
+    /// Reads scene and script.
+    pub fn read(options: &Options) -> Result<Self, ViewError> {
+        let player = options.play.as_deref().map(Player::load).transpose()?;
+        Ok(Self { document: Document::open(&options.scene)?, player })
+    }
+}
+
 /// Opens the device that the user has chosen, as often as need be.
 pub struct Opener {
     choice: DeviceChoice,
@@ -91,16 +105,16 @@ impl Opener {
 }
 
 impl Stage {
-    /// Opens the scene, the device, and a canvas of `size` pixels: in the window that `surface` is of, or hidden.
+    /// Shows `files`: opens the device, and a canvas of `size` pixels: in the window that `surface` is of, or hidden.
     pub fn new(
         options: &Options,
+        files: Files,
         opener: Opener,
         surface: Option<Surface>,
         size: [u32; 2],
         wake: Wake,
     ) -> Result<Self, ViewError> {
-        let player = options.play.as_deref().map(Player::load).transpose()?;
-        let document = Document::open(&options.scene)?;
+        let Files { document, player } = files;
         let warnings = RefCell::new(vec![]);
         let device = opener.open(|warning| warnings.borrow_mut().push(warning.to_owned()))?;
         // A window may begin minimised.

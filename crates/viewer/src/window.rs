@@ -14,17 +14,25 @@ use winit::window::{Window, WindowId};
 
 use crate::error::ViewError;
 use crate::play::WindowStep;
-use crate::stage::{Opener, Stage};
+use crate::stage::{Files, Opener, Stage};
 use crate::{Options, Report};
 
 /// Opens the window, and returns when it is closed.
-pub fn run(options: &Options) -> Result<Report, ViewError> {
+pub fn run(options: &Options, files: Files) -> Result<Report, ViewError> {
     needs_libraries()?;
     let event_loop = EventLoop::<()>::with_user_event().build().map_err(|e| no_display(&e))?;
     let display = event_loop.owned_display_handle();
     let display = display.display_handle().map_err(|e| no_display(&e))?.as_raw();
     let instance = Instance::for_windows(options.open.validate, display)?;
-    let mut app = App { options, instance, proxy: event_loop.create_proxy(), shown: None, outcome: None, due: None };
+    let mut app = App {
+        options,
+        instance,
+        proxy: event_loop.create_proxy(),
+        files: Some(files),
+        shown: None,
+        outcome: None,
+        due: None,
+    };
     event_loop.run_app(&mut app).map_err(|e| no_display(&e))?;
     app.outcome.unwrap_or_else(|| Ok(Report::default()))
 }
@@ -33,6 +41,7 @@ struct App<'a> {
     options: &'a Options,
     instance: Arc<Instance>,
     proxy: EventLoopProxy<()>,
+    files: Option<Files>,
     shown: Option<Shown>,
     outcome: Option<Result<Report, ViewError>>,
     /// When the next frame is.
@@ -54,10 +63,9 @@ struct Shown {
 
 impl ApplicationHandler for App<'_> {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
-        if self.shown.is_some() {
-            return;
-        }
-        match self.open(event_loop) {
+        // Taken once: some systems resume a program more often.
+        let Some(files) = self.files.take() else { return };
+        match self.open(event_loop, files) {
             Ok(shown) => {
                 shown.window.request_redraw();
                 self.shown = Some(shown);
@@ -125,7 +133,7 @@ impl ApplicationHandler for App<'_> {
 }
 
 impl App<'_> {
-    fn open(&self, event_loop: &ActiveEventLoop) -> Result<Shown, ViewError> {
+    fn open(&self, event_loop: &ActiveEventLoop, files: Files) -> Result<Shown, ViewError> {
         let [width, height] = self.options.size;
         let attributes =
             Window::default_attributes().with_title("raggio").with_inner_size(LogicalSize::new(width, height));
@@ -139,7 +147,7 @@ impl App<'_> {
             // Fails only when the window is closing.
             let _ = proxy.lock().map(|proxy| proxy.send_event(()));
         });
-        let stage = Stage::new(self.options, opener, Some(surface), [width, height], wake)?;
+        let stage = Stage::new(self.options, files, opener, Some(surface), [width, height], wake)?;
         let egui = egui_for(&stage, &window);
         let mut shown = Shown { stage, egui, window, title: String::new(), asked: None, scale: self.options.scale };
         shown.follow_monitor();
