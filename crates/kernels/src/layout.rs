@@ -40,29 +40,10 @@ pub const VIEW_BUFFERS: [&str; 3] = ["camera", "camera_media", "counts"];
 impl SceneBuffers {
     /// Checks what [`VIEW_BUFFERS`] names, when the rest has been checked before.
     pub fn check_view(&self) -> Result<(), BrokenScene> {
-        let [counts] = self.counts[..] else { return Err(BrokenScene::new("`counts` must have one element")) };
-        let fits = self.camera.len() == 1
-            && counts.shapes as usize == self.order.len()
-            && counts.nodes as usize == self.nodes.len()
-            && counts.unbounded as usize <= self.order.len()
-            && counts.camera_media as usize == self.camera_media.len()
-            && self.camera_media.len() <= MAX_NESTED_MEDIA as usize;
-        let known = |medium: &CameraMedium| {
-            (medium.shape as usize) < self.order.len() && (medium.material as usize) < self.materials.len()
-        };
-        if fits && self.camera_media.iter().all(known) {
-            Ok(())
-        } else {
-            Err(BrokenScene::new("the view is not of this scene"))
-        }
-    }
-
-    /// Checks every index that a kernel follows, so that none can read outside its buffer.
-    pub fn check(&self) -> Result<(), BrokenScene> {
         let fail = |what: &str| Err(BrokenScene::new(what));
         let [counts] = self.counts[..] else { return fail("`counts` must have one element") };
-        if self.camera.len() != 1 || self.sky.len() != 1 {
-            return fail("`camera` and `sky` must have one element each");
+        if self.camera.len() != 1 {
+            return fail("`camera` must have one element");
         }
         if counts.shapes as usize != self.order.len()
             || counts.nodes as usize != self.nodes.len()
@@ -76,14 +57,27 @@ impl SceneBuffers {
         if self.camera_media.len() > MAX_NESTED_MEDIA as usize {
             return fail("more media around the camera than a path can remember");
         }
+        let known = |medium: &CameraMedium| {
+            (medium.shape as usize) < self.order.len() && (medium.material as usize) < self.materials.len()
+        };
+        if !self.camera_media.iter().all(known) {
+            return fail("a medium around the camera is no shape, or of no material");
+        }
+        Ok(())
+    }
+
+    /// Checks every index that a kernel follows, so that none can read outside its buffer.
+    pub fn check(&self) -> Result<(), BrokenScene> {
+        self.check_view()?;
+        let fail = |what: &str| Err(BrokenScene::new(what));
+        if self.sky.len() != 1 {
+            return fail("`sky` must have one element");
+        }
         if self.largest_material().is_some_and(|material| material as usize >= self.materials.len()) {
             return fail("a material index is too large");
         }
         if !self.order.iter().all(|shape| (shape.index as usize) < self.shapes_of_kind(shape.kind)) {
             return fail("a shape index is too large");
-        }
-        if !self.camera_media.iter().all(|medium| (medium.shape as usize) < self.order.len()) {
-            return fail("a medium around the camera is no shape");
         }
         self.check_hierarchy()
     }

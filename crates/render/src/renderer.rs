@@ -154,6 +154,25 @@ impl Renderer {
         Ok(self.progress())
     }
 
+    /// Renders portions for about `seconds`, though no more than one pass if passes have a [fixed
+    /// number](Self::set_samples_per_pass) of samples. True once every pixel has all its samples.
+    pub fn run_for(&mut self, seconds: f64) -> Result<bool, DeviceError> {
+        let start = Instant::now();
+        while !self.finished() {
+            let left = seconds - start.elapsed().as_secs_f64();
+            // What is left is too short to be worth a call.
+            if left <= 0.05 * seconds {
+                break;
+            }
+            let before = self.progress().samples;
+            let after = self.advance_for(left)?.samples;
+            if self.samples_per_pass.is_some() && after > before {
+                break;
+            }
+        }
+        Ok(self.finished())
+    }
+
     /// Renders what is left of the pass under way: then all pixels have equally many samples.
     pub fn finish_pass(&mut self) -> Result<(), DeviceError> {
         while self.courses.shown().row < self.height {

@@ -1,7 +1,6 @@
 //! Pictures on their way to files.
 
 use std::path::Path;
-use std::time::Instant;
 
 use raggio_render::{DeviceScene, Display, ImageFile, Renderer};
 
@@ -33,16 +32,11 @@ impl Export {
 
     /// Spends about `seconds` on it; true when the file is written.
     pub fn advance(&mut self, seconds: f64) -> Result<bool, ViewError> {
-        let start = Instant::now();
-        while !self.renderer.finished() {
-            let left = seconds - start.elapsed().as_secs_f64();
-            if left <= 0.05 * seconds {
-                return Ok(false);
-            }
-            self.renderer.advance_for(left)?;
+        let finished = self.renderer.run_for(seconds)?;
+        if finished {
+            self.file.write(&self.renderer.film()?, self.display)?;
         }
-        self.file.write(&self.renderer.film()?, self.display)?;
-        Ok(true)
+        Ok(finished)
     }
 
     /// How much is done, 0 to 1.

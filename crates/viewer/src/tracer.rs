@@ -191,19 +191,11 @@ impl Tracer {
     /// Spends about `seconds` on samples.
     pub fn trace(&mut self, seconds: f64) -> Result<(), ViewError> {
         self.settle(seconds)?;
-        let start = Instant::now();
-        loop {
-            let left = seconds - start.elapsed().as_secs_f64();
-            if self.renderer.finished() || left <= 0.05 * seconds {
-                return Ok(());
-            }
-            let before = self.renderer.progress().samples;
-            self.renderer.advance_for(left)?;
+        if !self.renderer.finished() {
+            self.renderer.run_for(seconds)?;
             self.fresh = true;
-            if self.samples_per_pass.is_some() && self.renderer.progress().samples > before {
-                return Ok(());
-            }
         }
+        Ok(())
     }
 
     /// Finds the resolution for this frame: as fine as the frame's time allows after every change, then finer step by step
