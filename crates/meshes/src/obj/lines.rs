@@ -2,9 +2,11 @@
 
 use std::borrow::Cow;
 
+type Split<'a> = std::slice::Split<'a, u8, fn(&u8) -> bool>;
+
 /// Yields the number (from 1) and the text of each line that is not blank.
 pub(crate) struct Lines<'a> {
-    lines: std::iter::Enumerate<std::slice::Split<'a, u8, fn(&u8) -> bool>>,
+    lines: std::iter::Enumerate<Split<'a>>,
 }
 
 impl<'a> Lines<'a> {
