@@ -5,8 +5,8 @@
 //! degenerate triangle. Whatever the bytes, the answer is a [`Model`] or a [`MeshError`], in memory and time
 //! proportional to the size of the file.
 //!
-//! The readers are our own, because that promise is not what the usual crates are made for: `ply-rs`, `tobj` and
-//! `stl_io` reserve what a header declares or fail on damaged files without naming the place.
+//! The readers are our own, because the usual crates do not make that promise: `ply-rs`, `tobj` and `stl_io` were
+//! found weak on hostile input.
 //!
 //! Conventions: positions in the file's own units and axes; counter-clockwise triangles face the viewer; texture
 //! coordinates and colours as stored, neither flipped nor decoded.

@@ -52,7 +52,7 @@ fn check(model: &Model, bytes: usize) {
     assert!(mesh.colors.as_ref().is_none_or(|list| list.len() == vertices));
     assert!(mesh.uvs.iter().flatten().all(|list| list.len() == vertices));
     assert_eq!(mesh.parts.iter().map(|part| part.triangles.len()).sum::<usize>(), mesh.triangles.len());
-    assert!(mesh.positions.capacity() <= 8 * bytes + 64 && mesh.triangles.capacity() <= 8 * bytes + 64);
+    assert!(mesh.positions.capacity() <= 2 * bytes + 64 && mesh.triangles.capacity() <= 2 * bytes + 64);
 }
 
 fn read_all(bytes: &[u8]) {
