@@ -6,6 +6,7 @@ use glam::DVec3;
 use raggio_kernels::SamplerKind;
 
 use crate::frame;
+use crate::microfacets::Facets;
 
 /// A sampler with its arguments.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +15,8 @@ pub struct Case {
     pub n: DVec3,
     pub wo: DVec3,
     pub smoothness: f64,
+    /// See [`SamplerKind`]: of rough surfaces alpha along y, or eta.
+    pub detail: f64,
 }
 
 /// Coordinates (h, phi) of the sphere or the disk: h in `range`, phi a whole turn.
@@ -33,6 +36,8 @@ enum Form {
     Disk,
     /// The root in the density of the interpolated mirror, for smoothness over 1/2: see [`Case::chart`].
     Cone(f64),
+    /// The cosine in the space where the microfacets are a hemisphere; of normals, or of what they reflect.
+    Facets { facets: Facets, wo: DVec3, reflected: bool },
 }
 
 impl Chart {
@@ -40,6 +45,12 @@ impl Chart {
         let (sin, cos) = phi.sin_cos();
         if let Form::Disk = self.form {
             return h.sqrt() * DVec3::new(cos, sin, 0.0);
+        }
+        if let Form::Facets { facets, wo, reflected } = self.form {
+            let m = facets.squeezed(h, phi).normalize();
+            let w = if reflected { 2.0 * wo.dot(m) * m - wo } else { m };
+            let [x, y, z] = self.axes;
+            return w.x * x + w.y * y + w.z * z;
         }
         let cosine = match self.form {
             Form::Root => 1.0 - h * h,
@@ -56,6 +67,11 @@ impl Chart {
             return (w.length_squared(), w.y.atan2(w.x).rem_euclid(TAU));
         }
         let [x, y, z] = self.axes.map(|axis| axis.dot(w));
+        if let Form::Facets { facets, wo, reflected } = self.form {
+            let w = DVec3::new(x, y, z);
+            let m = facets.stretched(if reflected { w + wo } else { w });
+            return (m.z, m.y.atan2(m.x).rem_euclid(TAU));
+        }
         let h = match self.form {
             Form::Root => (1.0 - z).max(0.0).sqrt(),
             Form::Cone(s) => (s * s * z * z - (2.0 * s - 1.0)).max(0.0).sqrt(),
@@ -65,8 +81,13 @@ impl Chart {
     }
 
     /// Area of the sphere (or the disk) for a unit of h and of phi.
-    pub fn measure(&self, h: f64) -> f64 {
+    pub fn measure(&self, h: f64, phi: f64) -> f64 {
         match self.form {
+            Form::Facets { facets, wo, reflected } => {
+                let m = facets.squeezed(h, phi);
+                let solid_angle = facets.alpha[0] * facets.alpha[1] / m.length().powi(3);
+                if reflected { 4.0 * wo.dot(m.normalize()).abs() * solid_angle } else { solid_angle }
+            }
             Form::Cosine => 1.0,
             Form::Root => 2.0 * h,
             Form::Disk => 0.5,
@@ -88,6 +109,12 @@ impl Case {
         let s = self.smoothness;
         match self.kind {
             SamplerKind::UniformSphere => Chart { axes: frame(self.n), range: (-1.0, 1.0), form: Form::Cosine },
+            SamplerKind::VisibleNormal | SamplerKind::RoughMirror => {
+                let reflected = self.kind as u32 == SamplerKind::RoughMirror as u32;
+                let form = Form::Facets { facets: self.facets(), wo: self.local(self.wo), reflected };
+                Chart { axes: basis(self.n), range: (0.0, 1.0), form }
+            }
+            SamplerKind::RoughDielectric => Chart { axes: basis(self.n), range: (-1.0, 1.0), form: Form::Cosine },
             SamplerKind::UniformDisk => Chart { axes: frame(self.n), range: (0.0, 1.0), form: Form::Disk },
             SamplerKind::InterpolatedMirror if s > 0.5 => {
                 Chart { axes: frame(self.mirror()), range: (0.0, 1.0 - s), form: Form::Cone(s) }
@@ -120,7 +147,24 @@ impl Case {
                 }
             }
             SamplerKind::InterpolatedMirror => self.interpolated(w),
+            SamplerKind::VisibleNormal => self.facets().visible(self.local(self.wo), self.local(w)),
+            SamplerKind::RoughMirror => self.facets().reflected(self.local(self.wo), self.local(w)),
+            SamplerKind::RoughDielectric => self.facets().dielectric(self.local(self.wo), self.local(w), self.detail),
         }
+    }
+
+    pub fn facets(&self) -> Facets {
+        let dielectric = self.kind as u32 == SamplerKind::RoughDielectric as u32;
+        Facets { alpha: [self.smoothness, if dielectric { self.smoothness } else { self.detail }] }
+    }
+
+    fn local(&self, w: DVec3) -> DVec3 {
+        DVec3::from_array(basis(self.n).map(|axis| axis.dot(w)))
+    }
+
+    /// Some of the light ends between facets.
+    pub fn loses(&self) -> bool {
+        self.kind as u32 == SamplerKind::RoughDielectric as u32
     }
 
     /// w goes through normalize((1-s) d + s m) for the unit vectors d at which the line along w crosses the sphere of
@@ -150,6 +194,14 @@ impl Case {
     /// difference.
     pub fn tolerance(&self, w: DVec3) -> f64 {
         let eight = 8.0 * 2f64.powi(-24);
+        if self.kind as u32 >= SamplerKind::VisibleNormal as u32 {
+            let eta = match self.kind {
+                SamplerKind::VisibleNormal => None,
+                SamplerKind::RoughDielectric if self.n.dot(w) < 0.0 => Some(self.detail),
+                _ => Some(1.0),
+            };
+            return eight * self.facets().condition(self.local(self.wo), self.local(w), eta, self.loses());
+        }
         if self.kind as u32 != SamplerKind::InterpolatedMirror as u32 {
             return eight;
         }
@@ -159,6 +211,15 @@ impl Case {
         let scale = 1.0 / ((1.0 - s).powi(2) * root2.max(1e-12).sqrt());
         rounding * (self.density(w) + scale)
     }
+}
+
+/// The basis of the kernels, z = n (Duff et al. 2017).
+fn basis(n: DVec3) -> [DVec3; 3] {
+    let sign = if n.z < 0.0 { -1.0 } else { 1.0 };
+    let a = -1.0 / (sign + n.z);
+    let b = n.x * n.y * a;
+    let x = DVec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x);
+    [x, DVec3::new(b, sign + n.y * n.y * a, -n.y), n]
 }
 
 /// All samplers, each with several normals and directions of incidence, from straight to grazing.
@@ -172,7 +233,7 @@ pub fn cases() -> Vec<Case> {
             let [x, _, z] = frame(n);
             (cosine * z + (1.0 - cosine * cosine).sqrt() * x).normalize().as_vec3().as_dvec3().normalize()
         };
-        let mut add = |kind, cosine, smoothness| cases.push(Case { kind, n, wo: wo(cosine), smoothness });
+        let mut add = |kind, cosine, smoothness| cases.push(Case { kind, n, wo: wo(cosine), smoothness, detail: 0.0 });
         for kind in [SamplerKind::UniformSphere, SamplerKind::UniformHemisphere, SamplerKind::CosineHemisphere] {
             add(kind, 0.7, 0.0);
         }
@@ -185,6 +246,25 @@ pub fn cases() -> Vec<Case> {
                 add(SamplerKind::InterpolatedMirror, *cosine, f64::from(smoothness));
             }
         }
+        rough_cases(i, n, &wo, &mut cases);
     }
     cases
+}
+
+/// Roughness 0.05, 0.3 and 1 (alpha is its square), stretched surfaces, and light from straight above to grazing.
+fn rough_cases(i: usize, n: DVec3, wo: &dyn Fn(f64) -> DVec3, cases: &mut Vec<Case>) {
+    let cosines = [[1.0, 0.5, 0.03], [0.9, 0.3, 0.01], [0.6, 0.1, 0.05]][i];
+    let mut add = |kind, cosine, alpha: f32, detail: f32| {
+        cases.push(Case { kind, n, wo: wo(cosine), smoothness: f64::from(alpha), detail: f64::from(detail) });
+    };
+    for kind in [SamplerKind::VisibleNormal, SamplerKind::RoughMirror] {
+        for alpha in [[0.0025, 0.0025], [0.09, 0.09], [1.0, 1.0], [0.1, 0.5], [0.6, 0.02]] {
+            for cosine in if i == 0 { &cosines[..] } else { &cosines[1..] } {
+                add(kind, *cosine, alpha[0], alpha[1]);
+            }
+        }
+    }
+    for (cosine, alpha, eta) in [(0.6, 0.09, 1.0 / 1.5), (0.5, 0.3, 1.5), (0.1, 0.3, 1.0 / 1.5), (0.9, 1.0, 1.33)] {
+        add(SamplerKind::RoughDielectric, cosine, alpha, eta);
+    }
 }

@@ -17,15 +17,20 @@ const BINS: (usize, usize) = (16, 32);
 const CELLS: usize = 12;
 
 fn sample_questions(case: &Case, count: usize, random: &mut Pcg) -> Vec<Question> {
-    let (n, wo) = (case.n.as_vec3().extend(0.0).to_array(), case.wo.as_vec3().extend(0.0).to_array());
+    let wo = case.wo.as_vec3().extend(case.detail as f32).to_array();
     let u = |random: &mut Pcg| [case.kind as u32 as f32, random.unit(), random.unit(), case.smoothness as f32];
-    (0..count).map(|_| [u(random), n, wo]).collect()
+    let mut question = || {
+        let u = u(random);
+        let choice = if case.loses() { random.unit() } else { 0.0 };
+        [u, case.n.as_vec3().extend(choice).to_array(), wo]
+    };
+    (0..count).map(|_| question()).collect()
 }
 
 fn density_question(case: &Case, w: DVec3) -> Question {
     let w = w.as_vec3();
     let n = case.n.as_vec3().extend(case.smoothness as f32).to_array();
-    [[case.kind as u32 as f32, w.x, w.y, w.z], n, case.wo.as_vec3().extend(0.0).to_array()]
+    [[case.kind as u32 as f32, w.x, w.y, w.z], n, case.wo.as_vec3().extend(case.detail as f32).to_array()]
 }
 
 /// Integral of `density` over a bin of `chart`.
@@ -38,7 +43,7 @@ fn integral(chart: &Chart, bin: (usize, usize), density: &dyn Fn(DVec3) -> f64) 
     };
     let mut sum = 0.0;
     for h in places(bin.0, size.0).map(|h| low + h) {
-        sum += places(bin.1, size.1).map(|phi| density(chart.point(h, phi)) * chart.measure(h)).sum::<f64>();
+        sum += places(bin.1, size.1).map(|phi| density(chart.point(h, phi)) * chart.measure(h, phi)).sum::<f64>();
     }
     sum * size.0 * size.1 / 4.0
 }
@@ -62,7 +67,9 @@ fn test_against(device: &TestDevice, case: &Case, random: &mut Pcg, density: &dy
     let count = device.pick(1_000_000, 200_000);
     let answers = device.ask(&anywhere(), Probe::Sample, &sample_questions(case, count, random));
     let chart = case.chart();
-    let counts = histogram(&chart, answers.iter().map(|answer| Vec3::from_slice(&answer[0]).as_dvec3()));
+    let points = answers.iter().map(|answer| Vec3::from_slice(&answer[0]).as_dvec3());
+    // A zero vector is a sample that found no direction.
+    let counts = histogram(&chart, points.filter(|w| !(case.loses() && *w == DVec3::ZERO)));
     let expected: Vec<_> = integrals(&chart, density).iter().map(|p| p * count as f64).collect();
     chi_square(&counts, &expected)
 }
@@ -139,11 +146,12 @@ fn densities_are_those_of_double_precision() {
     });
 }
 
-/// The densities above integrate to 1: none of the light is lost or made.
+/// The densities above integrate to 1: none of the light is lost or made, but for what ends between rough facets.
 #[test]
 fn densities_integrate_to_one() {
     for case in cases() {
         let total: f64 = integrals(&case.chart(), &|w| case.density(w)).iter().sum();
-        assert!((total - 1.0).abs() < 1e-4, "{case:?}: expected 1, found {total}");
+        let near = (total - 1.0).abs() < 1e-4 || case.loses() && (0.5..1.0).contains(&total);
+        assert!(near, "{case:?}: expected 1, found {total}");
     }
 }

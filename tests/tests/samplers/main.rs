@@ -3,6 +3,7 @@
 mod densities;
 mod directions;
 mod functions;
+mod microfacets;
 mod numbers;
 
 use glam::DVec3;
