@@ -200,7 +200,13 @@ impl Case {
                 SamplerKind::RoughDielectric if self.n.dot(w) < 0.0 => Some(self.detail),
                 _ => Some(1.0),
             };
-            return eight * self.facets().condition(self.local(self.wo), self.local(w), eta, self.loses());
+            return eight
+                * self.facets().condition(
+                    self.local(self.wo),
+                    self.local(w),
+                    eta,
+                    self.loses().then_some(self.detail),
+                );
         }
         if self.kind as u32 != SamplerKind::InterpolatedMirror as u32 {
             return eight;

@@ -66,7 +66,7 @@ impl Facets {
 
     /// How much a rounding changes the density of wi (`eta` 1: reflected) or of a normal (none), absolutely: the normal
     /// is a difference where the light is bent little, and the distribution as steep as alpha is small.
-    pub fn condition(&self, wo: DVec3, w: DVec3, eta: Option<f64>, dielectric: bool) -> f64 {
+    pub fn condition(&self, wo: DVec3, w: DVec3, eta: Option<f64>, dielectric: Option<f64>) -> f64 {
         let across = eta.map_or(w, |eta| eta * wo + w);
         let amplified = 1.0 / across.length().max(1e-9);
         let m = across * amplified * across.z.signum();
@@ -78,8 +78,12 @@ impl Facets {
         let (o, i) = (wo.dot(m), w.dot(m));
         let fresnel = match eta {
             None => return steepness * self.visible(wo, m) + self.distribution(m) / wo.z,
-            Some(_) if !dielectric => return steepness * self.reflected(wo, w),
-            Some(1.0) => 40.0 * amplified,
+            Some(_) if dielectric.is_none() => return steepness * self.reflected(wo, w),
+            // Near the critical angle what is reflected hangs on a difference.
+            Some(1.0) => {
+                let inner2 = 1.0 - dielectric.unwrap_or(1.0).powi(2) * (1.0 - o * o);
+                40.0 * amplified / inner2.abs().max(1e-7)
+            }
             Some(_) => 40.0 * amplified / (i * i).max(1e-9),
         };
         let scale =
