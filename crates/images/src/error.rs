@@ -1,0 +1,85 @@
+//! The one error of this crate.
+
+use std::fmt;
+
+use crate::load::Format;
+
+/// Why there is no image. Displayed as `file: problem`, or as the problem alone where no file is known.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}{problem}", Prefix(.file.as_deref()))]
+pub struct ImageError {
+    /// The file, if there is one.
+    pub file: Option<String>,
+    /// What is wrong with it.
+    pub problem: Problem,
+}
+
+/// What is wrong with an image.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Problem {
+    /// The file cannot be opened or read.
+    #[error("cannot be read: {0}")]
+    Unreadable(String),
+    /// None of the formats.
+    #[error("is not an image that can be read: PNG, JPEG, WebP, Radiance HDR, OpenEXR and KTX2 can")]
+    UnknownFormat,
+    /// The file is larger than [`Limits::most_bytes`](crate::Limits::most_bytes).
+    #[error("has more than {most} bytes, the most that an image may have")]
+    FileTooLarge {
+        /// The limit.
+        most: u64,
+    },
+    /// More pixels than [`Limits::most_pixels`](crate::Limits::most_pixels), or more memory than
+    /// [`Limits::most_bytes`](crate::Limits::most_bytes).
+    #[error("has {width} x {height} pixels: at most {most_pixels} pixels and {most_bytes} bytes of texels are allowed")]
+    TooManyPixels {
+        /// In pixels, as declared.
+        width: u64,
+        /// In pixels, as declared.
+        height: u64,
+        /// The limit.
+        most_pixels: u64,
+        /// The limit.
+        most_bytes: u64,
+    },
+    /// A valid file, perhaps, of a kind that is not read.
+    #[error("is {format} of a kind that is not read: {reason}")]
+    Unsupported {
+        /// The format.
+        format: Format,
+        /// What kind, and what would be right.
+        reason: String,
+    },
+    /// The file is damaged.
+    #[error("is {format} that is damaged: {reason}")]
+    Malformed {
+        /// The format.
+        format: Format,
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+impl Problem {
+    pub(crate) fn malformed(format: Format, reason: impl fmt::Display) -> Self {
+        Self::Malformed { format, reason: printable(&reason.to_string()) }
+    }
+
+    pub(crate) fn unsupported(format: Format, reason: impl fmt::Display) -> Self {
+        Self::Unsupported { format, reason: printable(&reason.to_string()) }
+    }
+}
+
+/// Messages go to terminals, so control characters of files are escaped.
+pub(crate) fn printable(text: &str) -> String {
+    let escape = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    text.chars().map(escape).collect()
+}
+
+struct Prefix<'a>(Option<&'a str>);
+
+impl fmt::Display for Prefix<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.map_or(Ok(()), |file| write!(f, "{file}: "))
+    }
+}

@@ -1,0 +1,67 @@
+//! PNG, JPEG, WebP and Radiance HDR.
+
+use std::io::Cursor;
+
+use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader};
+
+use crate::bitmap::{Bitmap, Texels};
+use crate::error::Problem;
+use crate::guard::{grouped, radiance};
+use crate::limits::Limits;
+use crate::load::Format;
+
+/// A block of 8 x 8 pixels takes at least a bit in JPEG.
+const MOST_JPEG_PIXELS_PER_BYTE: u64 = 512;
+
+/// `library_format` is `format` in the library's words.
+pub(crate) fn decode(
+    format: Format,
+    library_format: ImageFormat,
+    bytes: &[u8],
+    limits: &Limits,
+) -> Result<Bitmap, Problem> {
+    let malformed = |error| problem(format, error);
+    let mut allowed = image::Limits::no_limits();
+    allowed.max_alloc = Some(limits.most_bytes);
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), library_format);
+    reader.limits(allowed);
+    let decoder = reader.into_decoder().map_err(malformed)?;
+    let (width, height) = decoder.dimensions();
+    let pixels = u64::from(width) * u64::from(height);
+    limits.check(width.into(), height.into(), texel_bytes(decoder.color_type()))?;
+    if format == Format::Jpeg && pixels > MOST_JPEG_PIXELS_PER_BYTE.saturating_mul(bytes.len() as u64) {
+        return Err(Problem::malformed(format, format!("{} bytes cannot hold {width} x {height} pixels", bytes.len())));
+    }
+    let texels = texels(DynamicImage::from_decoder(decoder).map_err(malformed)?);
+    Ok(Bitmap { width, height, texels })
+}
+
+fn problem(format: Format, error: image::ImageError) -> Problem {
+    match error {
+        image::ImageError::Unsupported(error) => Problem::unsupported(format, error),
+        error => Problem::malformed(format, error),
+    }
+}
+
+fn texel_bytes(color: ColorType) -> u64 {
+    match color {
+        ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => 8,
+        ColorType::Rgb32F | ColorType::Rgba32F => 12,
+        _ => 4,
+    }
+}
+
+/// Grey becomes red, green and blue alike; without alpha there is 1.
+fn texels(image: DynamicImage) -> Texels {
+    match image.color() {
+        ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
+            Texels::Rgba16(grouped(image.into_rgba16().into_raw()))
+        }
+        ColorType::Rgb32F | ColorType::Rgba32F => {
+            let mut texels: Vec<[f32; 3]> = grouped(image.into_rgb32f().into_raw());
+            texels.as_flattened_mut().iter_mut().for_each(|value| *value = radiance(*value, f32::MAX));
+            Texels::Rgb32F(texels)
+        }
+        _ => Texels::Rgba8(grouped(image.into_rgba8().into_raw())),
+    }
+}
