@@ -1,0 +1,119 @@
+//! From bytes to a document: GLB or plain JSON.
+
+use serde_json::Deserializer;
+
+use super::document::Document;
+use super::fault::at;
+use crate::error::{Fault, Place};
+use crate::text::escaped;
+
+const MAGIC: &[u8; 4] = b"glTF";
+const JSON_CHUNK: &[u8; 4] = b"JSON";
+const BINARY_CHUNK: &[u8; 4] = b"BIN\0";
+const HEADER_BYTES: usize = 12;
+
+/// A file taken apart.
+pub(super) struct Container<'a> {
+    pub document: Document,
+    /// GLB's own buffer.
+    pub binary: Option<&'a [u8]>,
+}
+
+/// Takes a .glb or .gltf apart; which of them it is is told by its first bytes.
+pub(super) fn open(bytes: &[u8]) -> Result<Container<'_>, Fault> {
+    if !bytes.starts_with(MAGIC) {
+        return Ok(Container { document: parse(bytes, true)?, binary: None });
+    }
+    let chunks = chunks(bytes)?;
+    let (kind, json) = chunks.first().ok_or_else(|| Fault::new(Place::Byte(HEADER_BYTES), "there is no JSON chunk"))?;
+    if *kind != JSON_CHUNK {
+        return Err(Fault::new(Place::Byte(HEADER_BYTES), "the first chunk should be of type JSON"));
+    }
+    // Chunks of other types are to be ignored.
+    let binary = chunks.get(1).filter(|(kind, _)| *kind == BINARY_CHUNK).map(|(_, data)| *data);
+    Ok(Container { document: parse(json, false)?, binary })
+}
+
+type Chunk<'a> = (&'a [u8; 4], &'a [u8]);
+
+fn chunks(bytes: &[u8]) -> Result<Vec<Chunk<'_>>, Fault> {
+    let header =
+        |at: usize| bytes.get(at..).and_then(<[u8]>::first_chunk).map(|word| u32::from_le_bytes(*word) as usize);
+    let ends = || Fault::new(Place::Byte(bytes.len()), "the file ends inside the 12 bytes of its header");
+    let version = header(4).ok_or_else(ends)?;
+    let length = header(8).ok_or_else(ends)?;
+    if version != 2 {
+        return Err(Fault::new(Place::Byte(4), format!("is GLB of version {version}: version 2 is read")));
+    }
+    let file = bytes.get(..length).filter(|file| file.len() >= HEADER_BYTES).ok_or_else(|| {
+        let message = format!("the file should have {length} bytes as its header says: it has {}", bytes.len());
+        Fault::new(Place::Byte(8), message)
+    })?;
+    let mut chunks = Vec::new();
+    let mut position = HEADER_BYTES;
+    // Only the first two can matter.
+    while position < file.len() && chunks.len() < 2 {
+        let (chunk, next) = chunk(file, position)?;
+        chunks.push(chunk);
+        position = next;
+    }
+    Ok(chunks)
+}
+
+/// The chunk at `position` and where the next one begins.
+fn chunk(file: &[u8], position: usize) -> Result<(Chunk<'_>, usize), Fault> {
+    let fault = |message: String| Fault::new(Place::Byte(position), message);
+    let rest = &file[position..];
+    let (length, rest) = rest.split_first_chunk::<4>().ok_or_else(|| fault("a chunk should have 8 bytes".into()))?;
+    let (kind, rest) = rest.split_first_chunk::<4>().ok_or_else(|| fault("a chunk should have 8 bytes".into()))?;
+    let length = u32::from_le_bytes(*length) as usize;
+    let data = rest.get(..length).ok_or_else(|| {
+        fault(format!("the chunk says that it has {length} bytes: there are only {} left in the file", rest.len()))
+    })?;
+    Ok(((kind, data), position + 8 + length))
+}
+
+/// `has_lines` where line numbers mean something to people.
+fn parse(json: &[u8], has_lines: bool) -> Result<Document, Fault> {
+    let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+    let mut reader = Deserializer::from_slice(json);
+    let document: Document = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
+        let path = error.path().to_string();
+        let inner = error.into_inner();
+        let mut message = inner.to_string();
+        let line = inner.line();
+        if let Some(end) = message.rfind(" at line ") {
+            message.truncate(end);
+        }
+        let message = if path == "." { message } else { format!("{path}: {message}") };
+        let message = shortened(&escaped(&message));
+        if has_lines && line > 0 { Fault::line(line, message) } else { Fault::whole(message) }
+    })?;
+    reader.end().map_err(|_| Fault::whole("nothing should follow the JSON of the document"))?;
+    check_version(&document)?;
+    Ok(document)
+}
+
+/// Messages quote what is in the file, which may be long.
+fn shortened(message: &str) -> String {
+    const MOST_CHARS: usize = 300;
+    match message.char_indices().nth(MOST_CHARS) {
+        Some((end, _)) => format!("{}…", &message[..end]),
+        None => message.to_string(),
+    }
+}
+
+fn check_version(document: &Document) -> Result<(), Fault> {
+    let asset = document.asset.as_ref().ok_or_else(|| at("asset", "is missing: a glTF file says its version there"))?;
+    let needed = asset.min_version.as_ref().unwrap_or(&asset.version);
+    let version = needed.split_once('.').and_then(|(major, minor)| Some((major.parse().ok()?, minor.parse().ok()?)));
+    let version: Option<(u32, u32)> = version;
+    let is_read = match version {
+        Some((2, 0)) => true,
+        // A later 2.x is read as far as it can be, unless it says that this is not enough.
+        Some((2, _)) => asset.min_version.is_none(),
+        _ => false,
+    };
+    let shown = crate::text::quoted(needed.as_bytes());
+    if is_read { Ok(()) } else { Err(at("asset.version", format!("is {shown}: glTF 2.0 is read"))) }
+}

@@ -1,0 +1,81 @@
+//! Errors with their place in the document, warnings, and how much memory a file may ask for.
+
+use std::cell::{Cell, RefCell};
+use std::collections::HashSet;
+use std::fmt::Display;
+
+use crate::error::Fault;
+use crate::text::escaped;
+
+/// More warnings than this are only counted.
+const MOST_WARNINGS: usize = 100;
+
+/// `path` as in `materials[3].normalTexture.index`; `message` says what is wrong and what would be right.
+pub(super) fn at(path: impl Display, message: impl Display) -> Fault {
+    Fault::whole(escaped(&format!("{path}: {message}")))
+}
+
+/// Sentences for the user, each once.
+#[derive(Default)]
+pub(super) struct Warnings {
+    told: RefCell<(Vec<String>, HashSet<String>)>,
+    untold: Cell<usize>,
+}
+
+impl Warnings {
+    pub(super) fn push(&self, message: impl Display) {
+        let message = escaped(&message.to_string());
+        let (list, known) = &mut *self.told.borrow_mut();
+        if known.contains(&message) {
+        } else if list.len() == MOST_WARNINGS {
+            self.untold.set(self.untold.get() + 1);
+        } else {
+            known.insert(message.clone());
+            list.push(message);
+        }
+    }
+
+    /// All of them, in the order of their first mention.
+    pub(super) fn finish(self) -> Vec<String> {
+        let (mut list, _) = self.told.into_inner();
+        let untold = self.untold.get();
+        if untold > 0 {
+            list.push(format!("{untold} more warnings are not shown"));
+        }
+        list
+    }
+}
+
+/// What may still be allocated for what a file asks for.
+///
+/// A few bytes of a document can ask for any amount: by accessors without data, by meshes that share one buffer, by
+/// compression. So the sum of everything that is made of a file is bounded by a multiple of its size.
+pub(super) struct Budget {
+    left: Cell<u64>,
+}
+
+impl Budget {
+    /// Every file may ask for so much, however small it is.
+    const BASE: u64 = 256 << 20;
+    /// For each byte of it.
+    const FACTOR: u64 = 256;
+
+    /// For a file that has `file_bytes` with its buffers, within `most_bytes`.
+    pub(super) fn new(file_bytes: u64, most_bytes: u64) -> Self {
+        let proportional = file_bytes.saturating_mul(Self::FACTOR).saturating_add(Self::BASE);
+        Self { left: Cell::new(proportional.min(most_bytes)) }
+    }
+
+    pub(super) fn left(&self) -> u64 {
+        self.left.get()
+    }
+
+    /// Takes `count` elements of `size` bytes, or says why it is too much.
+    pub(super) fn take(&self, count: usize, size: usize, path: impl Display) -> Result<(), Fault> {
+        let bytes = (count as u64).saturating_mul(size as u64);
+        let left = self.left.get();
+        let too_much = || at(path, format!("asks for {bytes} bytes of memory: at most {left} are left for this file"));
+        self.left.set(left.checked_sub(bytes).ok_or_else(too_much)?);
+        Ok(())
+    }
+}

@@ -1,0 +1,147 @@
+//! Where nodes stand: their own transforms, and those of their parents applied to them.
+
+use std::collections::HashMap;
+
+use glam::{DAffine3, DQuat, DVec3};
+
+use super::document::{Document, Node};
+use super::fault::at;
+use super::pose::affine;
+use crate::error::Fault;
+
+/// The nodes' transforms relative to their parents, and the weights of morph targets, where an animation sets them.
+pub(super) struct Pose {
+    locals: Vec<Local>,
+    pub weights: HashMap<usize, Vec<f32>>,
+}
+
+/// A transform: scale first, then rotation, then translation.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    pub translation: DVec3,
+    pub rotation: DQuat,
+    pub scale: DVec3,
+}
+
+#[derive(Clone, Copy)]
+enum Local {
+    Place(Place),
+    Matrix(DAffine3),
+}
+
+impl Pose {
+    /// As the document has it.
+    pub(super) fn at_rest(document: &Document) -> Result<Self, Fault> {
+        let local = |(number, node)| local(node).map_err(|message| at(format!("nodes[{number}]"), message));
+        let locals = document.nodes.iter().enumerate().map(local).collect::<Result<_, _>>()?;
+        Ok(Self { locals, weights: HashMap::new() })
+    }
+
+    /// The transform of a node, to be changed; a matrix is taken apart.
+    pub(super) fn place(&mut self, node: usize) -> &mut Place {
+        if let Local::Matrix(matrix) = self.locals[node] {
+            let (scale, rotation, translation) = matrix.to_scale_rotation_translation();
+            self.locals[node] = Local::Place(Place { translation, rotation, scale });
+        }
+        match &mut self.locals[node] {
+            Local::Place(place) => place,
+            Local::Matrix(_) => unreachable!("a matrix has just been taken apart"),
+        }
+    }
+
+    /// From each node to the world. `order` has all nodes, parents first.
+    pub(super) fn worlds(&self, order: &[(usize, Option<usize>)]) -> Result<Vec<DAffine3>, Fault> {
+        let mut worlds = vec![DAffine3::IDENTITY; self.locals.len()];
+        for (node, parent) in order {
+            let local = self.locals[*node].matrix();
+            let world = parent.map_or(local, |parent| worlds[parent] * local);
+            if !world.is_finite() {
+                return Err(at(format!("nodes[{node}]"), "its place in the world should be finite"));
+            }
+            worlds[*node] = world;
+        }
+        Ok(worlds)
+    }
+}
+
+impl Local {
+    fn matrix(&self) -> DAffine3 {
+        match self {
+            Self::Place(place) => place.matrix(),
+            Self::Matrix(matrix) => *matrix,
+        }
+    }
+}
+
+impl Place {
+    pub(super) fn matrix(&self) -> DAffine3 {
+        DAffine3::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
+    }
+}
+
+fn local(node: &Node) -> Result<Local, String> {
+    if let Some(matrix) = &node.matrix {
+        let last_row = [matrix[3], matrix[7], matrix[11], matrix[15]];
+        if last_row != [0.0, 0.0, 0.0, 1.0] {
+            return Err(format!("the last row of `matrix` is {last_row:?}: it should be 0, 0, 0, 1"));
+        }
+        if node.translation.is_some() || node.rotation.is_some() || node.scale.is_some() {
+            return Err("should have either a `matrix` or a `translation`, `rotation` and `scale`".to_string());
+        }
+        return Ok(Local::Matrix(affine(matrix)));
+    }
+    let [x, y, z, w] = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+    let rotation = DQuat::from_xyzw(x, y, z, w).normalize();
+    if !rotation.is_finite() {
+        return Err(format!("`rotation` is {:?}: it should be a unit quaternion", [x, y, z, w]));
+    }
+    let translation = DVec3::from(node.translation.unwrap_or_default());
+    Ok(Local::Place(Place { translation, rotation, scale: DVec3::from(node.scale.unwrap_or([1.0; 3])) }))
+}
+
+/// How many morph targets a node's mesh has.
+pub(super) fn morph_targets(document: &Document, node: usize) -> usize {
+    let mesh = document.nodes[node].mesh.map(|mesh| &document.meshes[mesh]);
+    mesh.and_then(|mesh| mesh.primitives.first()).map_or(0, |primitive| primitive.targets.len())
+}
+
+/// The nodes that the scene shows, parents first, in the document's order.
+pub(super) fn visible(document: &Document, roots: &[usize]) -> Vec<usize> {
+    let mut waiting: Vec<usize> = roots.iter().rev().copied().collect();
+    let mut visible = Vec::new();
+    while let Some(node) = waiting.pop() {
+        if !document.nodes[node].is_hidden() {
+            visible.push(node);
+            waiting.extend(document.nodes[node].children.iter().rev());
+        }
+    }
+    visible
+}
+
+/// The roots of the scene of number `wanted`, or of the document's own choice.
+///
+/// # Errors
+/// When there is no such scene, or when it lists a node twice or one that has a parent.
+pub(super) fn roots(
+    document: &Document,
+    wanted: Option<usize>,
+    order: &[(usize, Option<usize>)],
+) -> Result<Vec<usize>, Fault> {
+    let all = order.iter().filter(|(_, parent)| parent.is_none()).map(|(node, _)| *node);
+    let number = wanted.or(document.scene).unwrap_or_default();
+    if document.scenes.is_empty() && wanted.is_none() {
+        return Ok(all.collect());
+    }
+    let scene = document.scenes.get(number).ok_or_else(|| {
+        at("scenes", format!("scene {number} is wanted: the file has {}, counted from 0", document.scenes.len()))
+    })?;
+    let mut unlisted: std::collections::HashSet<usize> = all.collect();
+    match scene.nodes.iter().find(|node| !unlisted.remove(node)) {
+        None => Ok(scene.nodes.clone()),
+        Some(node) => {
+            let message =
+                format!("lists node {node}, which has a parent or is listed twice: it should list roots once");
+            Err(at(format!("scenes[{number}].nodes"), message))
+        }
+    }
+}

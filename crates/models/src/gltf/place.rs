@@ -1,0 +1,238 @@
+//! From nodes to instances, lights and cameras.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use glam::{DAffine3, DQuat, DVec3};
+
+use super::asset::Asset;
+use super::document::{Attributes, LightType, Node};
+use super::fault::at;
+use super::mesh::RestMesh;
+use super::nodes::{Place, Pose};
+use super::pose;
+use crate::error::Fault;
+use crate::mesh::Dropped;
+use crate::model::{Camera, Instance, Light, LightKind, Model};
+
+/// Fills a model, node by node.
+pub(super) struct Builder<'a> {
+    asset: &'a Asset<'a>,
+    pose: &'a Pose,
+    worlds: &'a [DAffine3],
+    model: Model,
+    /// Indices of the model's meshes by glTF's and the bits of the morph targets' weights; none where nothing is left.
+    shared: HashMap<(usize, Vec<u32>), Option<usize>>,
+    dropped: Dropped,
+    /// Instances that cannot be seen.
+    flat: usize,
+}
+
+impl<'a> Builder<'a> {
+    pub(super) fn new(asset: &'a Asset<'a>, pose: &'a Pose, worlds: &'a [DAffine3]) -> Self {
+        let (model, dropped) = (Model::default(), Dropped::default());
+        Self { asset, pose, worlds, model, shared: HashMap::new(), dropped, flat: 0 }
+    }
+
+    pub(super) fn add_node(&mut self, number: usize) -> Result<(), Fault> {
+        let node = &self.asset.document.nodes[number];
+        let world = self.worlds[number];
+        if let Some(mesh) = node.mesh {
+            self.add_mesh(number, node, mesh)?;
+        } else if node.skin.is_some() || node.instancing().is_some() {
+            self.asset.warnings.push(format!("nodes[{number}]: its skin or instancing has no mesh to work on"));
+        }
+        if let Some(light) = node.light() {
+            self.add_light(node, light, &world)?;
+        }
+        if let Some(camera) = node.camera {
+            self.add_camera(node, camera, &world)?;
+        }
+        Ok(())
+    }
+
+    /// The model but for its materials; what was left out on the way is told.
+    pub(super) fn finish(self) -> Model {
+        self.dropped.warning().into_iter().for_each(|warning| self.asset.warnings.push(warning));
+        if self.flat > 0 {
+            let flat = self.flat;
+            self.asset.warnings.push(format!("{flat} instances are scaled to nothing in some direction and left out"));
+        }
+        if self.model.instances.is_empty() {
+            self.asset.warnings.push("there are no triangles in the scene");
+        }
+        self.model
+    }
+
+    fn add_mesh(&mut self, number: usize, node: &Node, mesh: usize) -> Result<(), Fault> {
+        let weights = self.weights(number, node, mesh);
+        if let Some(skin) = node.skin {
+            if node.instancing().is_some() {
+                self.asset.warnings.push(format!("nodes[{number}]: a skin cannot be instanced; it is shown once"));
+            }
+            // Skins say where vertices are in the world, whatever the node's own transform.
+            let matrices = pose::joint_matrices(self.asset, skin, self.worlds)?;
+            let mesh = self.load_mesh(mesh, &weights, Some((&matrices, &self.worlds[number])))?;
+            self.instantiate(node.name.as_str().into(), mesh, DAffine3::IDENTITY);
+            return Ok(());
+        }
+        let key = (mesh, weights.iter().map(|weight| weight.to_bits()).collect());
+        let mesh = match self.shared.get(&key) {
+            Some(mesh) => *mesh,
+            None => {
+                let loaded = self.load_mesh(mesh, &weights, None)?;
+                self.shared.insert(key, loaded);
+                loaded
+            }
+        };
+        let name: Arc<str> = node.name.as_str().into();
+        let world = self.worlds[number];
+        match node.instancing() {
+            None => self.instantiate(name, mesh, world),
+            Some(attributes) => {
+                let path = format!("nodes[{number}].extensions.EXT_mesh_gpu_instancing");
+                let places = instances(self.asset, attributes, &path)?;
+                self.asset.budget.take(places.len(), size_of::<Instance>(), &path)?;
+                self.model.instances.reserve(places.len());
+                places.iter().for_each(|place| self.instantiate(name.clone(), mesh, world * place.matrix()));
+            }
+        }
+        Ok(())
+    }
+
+    /// The weights of the morph targets; none where all are zero.
+    fn weights(&self, number: usize, node: &Node, mesh: usize) -> Vec<f32> {
+        let animated = self.pose.weights.get(&number);
+        let weights = animated.or(node.weights.as_ref()).or(self.asset.document.meshes[mesh].weights.as_ref());
+        weights.filter(|weights| weights.iter().any(|weight| *weight != 0.0)).cloned().unwrap_or_default()
+    }
+
+    fn load_mesh(
+        &mut self,
+        number: usize,
+        weights: &[f32],
+        skin: Option<(&[DAffine3], &DAffine3)>,
+    ) -> Result<Option<usize>, Fault> {
+        let mut rest = RestMesh::load(self.asset, number)?;
+        pose::morph(self.asset, &mut rest, weights)?;
+        if let Some((joints, node)) = skin {
+            pose::skin(self.asset, &mut rest, joints, node)?;
+        }
+        let mut mesh = rest.mesh;
+        let dropped = mesh.clean("").map_err(|error| at(format!("meshes[{number}]"), error.message))?;
+        self.dropped.degenerate += dropped.degenerate;
+        self.dropped.not_finite += dropped.not_finite;
+        self.dropped.attributes += dropped.attributes;
+        if mesh.triangles.is_empty() {
+            return Ok(None);
+        }
+        self.model.meshes.push(Arc::new(mesh));
+        Ok(Some(self.model.meshes.len() - 1))
+    }
+
+    fn instantiate(&mut self, name: Arc<str>, mesh: Option<usize>, model_from_mesh: DAffine3) {
+        let Some(mesh) = mesh else { return };
+        if model_from_mesh.is_finite() && model_from_mesh.inverse().is_finite() {
+            self.model.instances.push(Instance { name, mesh, model_from_mesh });
+        } else {
+            self.flat += 1;
+        }
+    }
+
+    fn add_light(&mut self, node: &Node, number: usize, world: &DAffine3) -> Result<(), Fault> {
+        let light = &self.asset.document.extensions.lights.lights[number];
+        let path = format!("extensions.KHR_lights_punctual.lights[{number}]");
+        if light.range.is_some() {
+            self.asset.warnings.push("ranges of lights are not used: light goes on for ever");
+        }
+        let (color, strength) = (light.color.unwrap_or([1.0; 3]), light.intensity.unwrap_or(1.0));
+        let intensity = color.map(|c| c * strength);
+        if !intensity.iter().all(|i| i.is_finite() && *i >= 0.0) {
+            return Err(at(path, format!("the intensity is {intensity:?}: it should be finite and not negative")));
+        }
+        let kind = match light.kind {
+            LightType::Directional => LightKind::Directional,
+            LightType::Point => LightKind::Point,
+            LightType::Spot => {
+                let inner = light.spot.inner_cone_angle.unwrap_or(0.0);
+                let outer = light.spot.outer_cone_angle.unwrap_or(std::f32::consts::FRAC_PI_4);
+                // Files round the right angle up.
+                if !(inner >= 0.0 && inner < outer && outer <= std::f32::consts::FRAC_PI_2 + 1e-6) {
+                    let message =
+                        format!("the angles are {inner} and {outer}: they should be 0 <= inner < outer <= pi / 2");
+                    return Err(at(format!("{path}.spot"), message));
+                }
+                LightKind::Spot { inner, outer: outer.min(std::f32::consts::FRAC_PI_2) }
+            }
+        };
+        let direction = world.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z);
+        let name = name(&node.name, &light.name);
+        self.model.lights.push(Light { name, intensity, position: world.translation, direction, kind });
+        Ok(())
+    }
+
+    fn add_camera(&mut self, node: &Node, number: usize, world: &DAffine3) -> Result<(), Fault> {
+        let camera = &self.asset.document.cameras[number];
+        let Some(perspective) = &camera.perspective else {
+            self.asset.warnings.push(format!("cameras[{number}] is left out: only perspective cameras can be used"));
+            return Ok(());
+        };
+        let vertical_fov = perspective.yfov;
+        if !(vertical_fov > 0.0 && vertical_fov < std::f32::consts::PI) {
+            let message = format!("is {vertical_fov}: it should be between 0 and pi radians");
+            return Err(at(format!("cameras[{number}].perspective.yfov"), message));
+        }
+        if perspective.aspect_ratio.is_some_and(|aspect| !(aspect > 0.0 && aspect.is_finite())) {
+            return Err(at(format!("cameras[{number}].perspective.aspectRatio"), "should be positive and finite"));
+        }
+        let forward = world.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z);
+        let up = world.transform_vector3(DVec3::Y).reject_from_normalized(forward);
+        self.model.cameras.push(Camera {
+            name: name(&node.name, &camera.name),
+            position: world.translation,
+            forward,
+            up: up.normalize_or(forward.any_orthonormal_vector()),
+            vertical_fov,
+            aspect: perspective.aspect_ratio,
+        });
+        Ok(())
+    }
+}
+
+fn name(node: &str, object: &str) -> String {
+    if node.is_empty() { object.to_string() } else { node.to_string() }
+}
+
+/// The places of EXT_mesh_gpu_instancing, relative to the node.
+fn instances(asset: &Asset<'_>, attributes: &Attributes, path: &str) -> Result<Vec<Place>, Fault> {
+    let translations = instance_attribute::<3>(asset, attributes, "TRANSLATION", path)?;
+    let rotations = instance_attribute::<4>(asset, attributes, "ROTATION", path)?;
+    let scales = instance_attribute::<3>(asset, attributes, "SCALE", path)?;
+    let known = ["TRANSLATION", "ROTATION", "SCALE"];
+    for name in attributes.keys().filter(|name| !known.contains(&name.as_str()) && !name.starts_with('_')) {
+        asset.warnings.push(format!("{path}: the attribute {} is not used", crate::text::quoted(name.as_bytes())));
+    }
+    let count = attributes.values().next().map_or(0, |accessor| asset.accessor(*accessor).count);
+    asset.budget.take(count, size_of::<Place>(), path)?;
+    let place = |i: usize| {
+        let rotation = rotations.as_ref().map_or(DQuat::IDENTITY, |list| DQuat::from_array(list[i].map(f64::from)));
+        let rotation = rotation.normalize();
+        if !rotation.is_finite() {
+            return Err(at(path, format!("the rotation of instance {i} should be a unit quaternion")));
+        }
+        let translation = translations.as_ref().map_or(DVec3::ZERO, |list| DVec3::from(list[i].map(f64::from)));
+        let scale = scales.as_ref().map_or(DVec3::ONE, |list| DVec3::from(list[i].map(f64::from)));
+        Ok(Place { translation, rotation, scale })
+    };
+    (0..count).map(place).collect()
+}
+
+fn instance_attribute<const N: usize>(
+    asset: &Asset<'_>,
+    attributes: &Attributes,
+    name: &str,
+    path: &str,
+) -> Result<Option<Vec<[f32; N]>>, Fault> {
+    let values = |accessor: &usize| asset.floats_as_stored(*accessor, None, &format!("{path}.attributes.{name}"));
+    attributes.get(name).map(values).transpose()
+}

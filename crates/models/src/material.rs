@@ -1,0 +1,217 @@
+//! The principled material: glTF's metallic-roughness model with its extensions, by glTF's names.
+
+use std::sync::Arc;
+
+use raggio_images::Bitmap;
+
+/// A material with the meaning that glTF 2.0 and its `KHR_materials_*` extensions give to each name.
+///
+/// A texture multiplies the factor beside it. Colours are linear.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Principled {
+    /// Reflected colour of the diffuse part, or of a metal at normal incidence; each 0 to 1.
+    pub base_color: [f32; 3],
+    /// RGB times `base_color`, A times `alpha`; RGB is stored as sRGB.
+    pub base_color_texture: Option<Texture>,
+    /// Coverage, 0 to 1; see `alpha_mode`.
+    pub alpha: f32,
+    /// What coverage does.
+    pub alpha_mode: AlphaMode,
+    /// 0 dielectric to 1 metal.
+    pub metallic: f32,
+    /// Perceptual, 0 smooth to 1; GGX's width is its square.
+    pub roughness: f32,
+    /// G times `roughness`, B times `metallic`; linear.
+    pub metallic_roughness_texture: Option<Texture>,
+    /// In the tangent space of its texture coordinates; linear.
+    pub normal_texture: Option<Texture>,
+    /// Multiplies the x and y of `normal_texture`.
+    pub normal_scale: f32,
+    /// Emitted radiance, strength included.
+    pub emissive: [f32; 3],
+    /// RGB times `emissive`; stored as sRGB.
+    pub emissive_texture: Option<Texture>,
+    /// Refractive index, at least 1; 0 stands for an infinite one (no Fresnel effect).
+    pub ior: f32,
+    /// Strength of the specular reflection of dielectrics, 0 to 1.
+    pub specular: f32,
+    /// A times `specular`; linear.
+    pub specular_texture: Option<Texture>,
+    /// Colour of the specular reflection of dielectrics at normal incidence, 0 and more.
+    pub specular_color: [f32; 3],
+    /// RGB times `specular_color`; stored as sRGB.
+    pub specular_color_texture: Option<Texture>,
+    /// Part of the light that is refracted into the body instead of scattered diffusely, 0 to 1.
+    pub transmission: f32,
+    /// R times `transmission`; linear.
+    pub transmission_texture: Option<Texture>,
+    /// Part of the diffuse light that leaves on the other side, 0 to 1.
+    pub diffuse_transmission: f32,
+    /// A times `diffuse_transmission`; linear.
+    pub diffuse_transmission_texture: Option<Texture>,
+    /// Colour of the diffusely transmitted light.
+    pub diffuse_transmission_color: [f32; 3],
+    /// RGB times `diffuse_transmission_color`; stored as sRGB.
+    pub diffuse_transmission_color_texture: Option<Texture>,
+    /// The surface is an infinitely thin sheet: what is transmitted is not bent, and there is no inside.
+    pub thin_walled: bool,
+    /// What is left of white light after `attenuation_distance` inside the body.
+    pub attenuation_color: [f32; 3],
+    /// Positive; infinite where nothing is absorbed.
+    pub attenuation_distance: f32,
+    /// 20 over the Abbe number; 0 bends all colours alike.
+    pub dispersion: f32,
+    /// Of overlapping dielectrics the higher wins.
+    pub priority: i32,
+    /// Strength of the clear coat, 0 to 1.
+    pub clearcoat: f32,
+    /// R times `clearcoat`; linear.
+    pub clearcoat_texture: Option<Texture>,
+    /// Perceptual.
+    pub clearcoat_roughness: f32,
+    /// G times `clearcoat_roughness`; linear.
+    pub clearcoat_roughness_texture: Option<Texture>,
+    /// Normals of the coat; without it the coat has the geometry's.
+    pub clearcoat_normal_texture: Option<Texture>,
+    /// Multiplies the x and y of `clearcoat_normal_texture`.
+    pub clearcoat_normal_scale: f32,
+    /// Reflectance of the sheen at grazing angles; black is no sheen.
+    pub sheen_color: [f32; 3],
+    /// RGB times `sheen_color`; stored as sRGB.
+    pub sheen_color_texture: Option<Texture>,
+    /// Perceptual.
+    pub sheen_roughness: f32,
+    /// A times `sheen_roughness`; linear.
+    pub sheen_roughness_texture: Option<Texture>,
+    /// 0 to 1.
+    pub anisotropy: f32,
+    /// Radians from the tangent, counter-clockwise.
+    pub anisotropy_rotation: f32,
+    /// RG a direction in [-1, 1] that is turned by `anisotropy_rotation`, B times `anisotropy`; linear.
+    pub anisotropy_texture: Option<Texture>,
+    /// Strength of the thin film, 0 to 1.
+    pub iridescence: f32,
+    /// R times `iridescence`; linear.
+    pub iridescence_texture: Option<Texture>,
+    /// Refractive index of the film.
+    pub iridescence_ior: f32,
+    /// Nanometres where `iridescence_thickness_texture` is 0.
+    pub iridescence_thickness_minimum: f32,
+    /// Nanometres where it is 1, or where there is none.
+    pub iridescence_thickness_maximum: f32,
+    /// G chooses between the two thicknesses; linear.
+    pub iridescence_thickness_texture: Option<Texture>,
+}
+
+impl Default for Principled {
+    /// glTF's defaults, but for `metallic`, which is 0.
+    fn default() -> Self {
+        Self {
+            base_color: [1.0; 3],
+            base_color_texture: None,
+            alpha: 1.0,
+            alpha_mode: AlphaMode::Opaque,
+            metallic: 0.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            emissive: [0.0; 3],
+            emissive_texture: None,
+            ior: 1.5,
+            specular: 1.0,
+            specular_texture: None,
+            specular_color: [1.0; 3],
+            specular_color_texture: None,
+            transmission: 0.0,
+            transmission_texture: None,
+            diffuse_transmission: 0.0,
+            diffuse_transmission_texture: None,
+            diffuse_transmission_color: [1.0; 3],
+            diffuse_transmission_color_texture: None,
+            thin_walled: false,
+            attenuation_color: [1.0; 3],
+            attenuation_distance: f32::INFINITY,
+            dispersion: 0.0,
+            priority: 0,
+            clearcoat: 0.0,
+            clearcoat_texture: None,
+            clearcoat_roughness: 0.0,
+            clearcoat_roughness_texture: None,
+            clearcoat_normal_texture: None,
+            clearcoat_normal_scale: 1.0,
+            sheen_color: [0.0; 3],
+            sheen_color_texture: None,
+            sheen_roughness: 0.0,
+            sheen_roughness_texture: None,
+            anisotropy: 0.0,
+            anisotropy_rotation: 0.0,
+            anisotropy_texture: None,
+            iridescence: 0.0,
+            iridescence_texture: None,
+            iridescence_ior: 1.3,
+            iridescence_thickness_minimum: 100.0,
+            iridescence_thickness_maximum: 400.0,
+            iridescence_thickness_texture: None,
+        }
+    }
+}
+
+/// What a surface's coverage does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum AlphaMode {
+    /// Nothing: the surface is whole.
+    #[default]
+    Opaque,
+    /// Where coverage is below this cutoff there is no surface.
+    Mask(f32),
+    /// The part of light that meets the surface; the rest passes.
+    Blend,
+}
+
+/// An image and how it lies on a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    /// Shared among all its uses.
+    pub image: Arc<Bitmap>,
+    /// Which of the mesh's sets of texture coordinates, 0 or 1.
+    pub uv_set: u8,
+    /// Rows of an affine map from texture coordinates to the image's: (0, 0) is its top left corner, (1, 1) its bottom right.
+    pub transform: [[f32; 3]; 2],
+    /// Beyond 0 to 1, along u and v.
+    pub wrap: [Wrap; 2],
+    /// Between texels.
+    pub filter: TextureFilter,
+}
+
+impl Texture {
+    /// The transform that changes nothing.
+    pub const IDENTITY: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+
+    /// `image` as glTF's defaults lay it: repeated, filtered, by the first set of coordinates.
+    pub fn new(image: Arc<Bitmap>) -> Self {
+        Self { image, uv_set: 0, transform: Self::IDENTITY, wrap: [Wrap::Repeat; 2], filter: TextureFilter::Linear }
+    }
+}
+
+/// What lies beyond an image's edges.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// The image again.
+    #[default]
+    Repeat,
+    /// The image mirrored, then again as it is.
+    MirroredRepeat,
+    /// Its outermost texels.
+    ClampToEdge,
+}
+
+/// What lies between the centres of texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TextureFilter {
+    /// A blend of the four around.
+    #[default]
+    Linear,
+    /// The nearest.
+    Nearest,
+}

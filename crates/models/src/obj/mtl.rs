@@ -1,0 +1,208 @@
+//! MTL, the material libraries of OBJ, as plain data.
+
+use super::lines::{Lines, keyword, words};
+use crate::error::{Fault, ModelError};
+use crate::text::{number, quoted};
+
+/// More unknown keywords of a material are not told.
+const MOST_UNREAD: usize = 16;
+
+/// A material of a library; `None` where the library is silent.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MtlMaterial {
+    /// As `usemtl` gives it.
+    pub name: String,
+    /// Kd.
+    pub diffuse: Option<[f32; 3]>,
+    /// Ks.
+    pub specular: Option<[f32; 3]>,
+    /// Ke.
+    pub emission: Option<[f32; 3]>,
+    /// Tf.
+    pub transmission: Option<[f32; 3]>,
+    /// Ns.
+    pub shininess: Option<f32>,
+    /// d, or one minus Tr.
+    pub opacity: Option<f32>,
+    /// Ni.
+    pub refractive_index: Option<f32>,
+    /// illum.
+    pub illumination: Option<f32>,
+    /// Pr.
+    pub roughness: Option<f32>,
+    /// Pm.
+    pub metallic: Option<f32>,
+    /// Pc.
+    pub clearcoat: Option<f32>,
+    /// Pcr.
+    pub clearcoat_roughness: Option<f32>,
+    /// aniso.
+    pub anisotropy: Option<f32>,
+    /// anisor, in turns.
+    pub anisotropy_rotation: Option<f32>,
+    /// map_Kd.
+    pub diffuse_map: Option<MtlMap>,
+    /// map_Ks.
+    pub specular_map: Option<MtlMap>,
+    /// map_Ke.
+    pub emission_map: Option<MtlMap>,
+    /// map_d.
+    pub opacity_map: Option<MtlMap>,
+    /// map_Pr.
+    pub roughness_map: Option<MtlMap>,
+    /// map_Pm.
+    pub metallic_map: Option<MtlMap>,
+    /// norm.
+    pub normal_map: Option<MtlMap>,
+    /// bump or map_Bump.
+    pub bump_map: Option<MtlMap>,
+    /// The first keywords of lines that say something which is not read, each once, quoted for messages.
+    pub unread: Vec<String>,
+}
+
+/// A texture as a library names it, with its options. Coordinates become `scale * coordinates + offset`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MtlMap {
+    /// Not safe as a path: see [`crate::path_inside`].
+    pub file: String,
+    /// -s, along u and v.
+    pub scale: [f32; 2],
+    /// -o, along u and v.
+    pub offset: [f32; 2],
+    /// -clamp on.
+    pub clamp: bool,
+    /// -bm.
+    pub multiplier: f32,
+}
+
+/// Reads a material library; `name` stands for the file in messages. Unknown lines are passed over.
+///
+/// # Errors
+/// When a value is missing, or is not a finite number.
+pub fn parse_mtl(bytes: &[u8], name: &str) -> Result<Vec<MtlMaterial>, ModelError> {
+    let mut materials: Vec<MtlMaterial> = Vec::new();
+    for (line, text) in Lines::new(bytes) {
+        let (key, rest) = keyword(&text);
+        if key == b"newmtl" {
+            materials.push(MtlMaterial { name: lossy(rest), ..MtlMaterial::default() });
+        } else if let Some(material) = materials.last_mut() {
+            set(material, key, rest).map_err(|message| Fault::line(line, message).of(name))?;
+        }
+    }
+    Ok(materials)
+}
+
+pub(super) fn lossy(text: &[u8]) -> String {
+    String::from_utf8_lossy(text).into_owned()
+}
+
+fn set(material: &mut MtlMaterial, key: &[u8], rest: &[u8]) -> Result<(), String> {
+    match key.to_ascii_lowercase().as_slice() {
+        b"kd" => material.diffuse = color(rest)?,
+        b"ks" => material.specular = color(rest)?,
+        b"ke" => material.emission = color(rest)?,
+        b"tf" => material.transmission = color(rest)?,
+        b"ns" => material.shininess = Some(value(rest)?),
+        b"d" => material.opacity = Some(value(rest.strip_prefix(b"-halo").unwrap_or(rest))?),
+        // Where both are given, `d` counts: the other has been written with either meaning.
+        b"tr" => material.opacity = material.opacity.or(Some(1.0 - value(rest)?)),
+        b"ni" => material.refractive_index = Some(value(rest)?),
+        b"illum" => material.illumination = Some(value(rest)?),
+        b"pr" => material.roughness = Some(value(rest)?),
+        b"pm" => material.metallic = Some(value(rest)?),
+        b"pc" => material.clearcoat = Some(value(rest)?),
+        b"pcr" => material.clearcoat_roughness = Some(value(rest)?),
+        b"aniso" => material.anisotropy = Some(value(rest)?),
+        b"anisor" => material.anisotropy_rotation = Some(value(rest)?),
+        b"map_kd" => material.diffuse_map = map(rest),
+        b"map_ks" => material.specular_map = map(rest),
+        b"map_ke" => material.emission_map = map(rest),
+        b"map_d" => material.opacity_map = map(rest),
+        b"map_pr" => material.roughness_map = map(rest),
+        b"map_pm" => material.metallic_map = map(rest),
+        b"norm" | b"map_kn" => material.normal_map = map(rest),
+        b"bump" | b"map_bump" => material.bump_map = map(rest),
+        // What is reflected from all around is for the light to say; the others are switches for renderers of old.
+        b"ka" | b"map_ka" | b"sharpness" | b"map_aat" => {}
+        _ => unread(material, key, rest),
+    }
+    Ok(())
+}
+
+fn value(text: &[u8]) -> Result<f32, String> {
+    let word = words(text).next().ok_or("a number should follow")?;
+    finite(word)
+}
+
+fn finite(word: &[u8]) -> Result<f32, String> {
+    let value = number(word).map(|value| value as f32).filter(|value| value.is_finite());
+    value.ok_or_else(|| format!("{} should be a finite number", quoted(word)))
+}
+
+/// One number is a grey. Colours in other spaces and spectra are passed over.
+fn color(text: &[u8]) -> Result<Option<[f32; 3]>, String> {
+    let words: Vec<_> = words(text).take(3).collect();
+    match words[..] {
+        [b"xyz" | b"spectral", ..] => Ok(None),
+        [grey] => Ok(Some([finite(grey)?; 3])),
+        [r, g, b] => Ok(Some([finite(r)?, finite(g)?, finite(b)?])),
+        _ => Err("three numbers should follow".to_string()),
+    }
+}
+
+/// A line of zeros says nothing.
+fn unread(material: &mut MtlMaterial, key: &[u8], rest: &[u8]) {
+    let is_new = material.unread.len() < MOST_UNREAD && words(rest).any(|word| number(word) != Some(0.0));
+    let key = quoted(key);
+    if is_new && !material.unread.contains(&key) {
+        material.unread.push(key);
+    }
+}
+
+/// The name of the file, which may have blanks, after options such as `-s 2 2 1`.
+fn map(mut rest: &[u8]) -> Option<MtlMap> {
+    let mut map = MtlMap::named(String::new());
+    loop {
+        let (option, after) = keyword(rest);
+        let (least, most) = match option {
+            b"-blendu" | b"-blendv" | b"-cc" | b"-clamp" | b"-bm" | b"-boost" | b"-texres" | b"-imfchan" | b"-type" => {
+                (1, 1)
+            }
+            b"-mm" => (2, 2),
+            b"-o" | b"-s" | b"-t" => (1, 3),
+            _ => break,
+        };
+        rest = after;
+        let mut values = Vec::new();
+        for count in 0..most {
+            let (word, after) = keyword(rest);
+            if count >= least && number(word).is_none() {
+                break;
+            }
+            values.push(word);
+            rest = after;
+        }
+        map.set(option, &values);
+    }
+    map.file = lossy(rest);
+    (!rest.is_empty()).then_some(map)
+}
+
+impl MtlMap {
+    /// A texture without options.
+    pub(crate) fn named(file: String) -> Self {
+        Self { file, scale: [1.0; 2], offset: [0.0; 2], clamp: false, multiplier: 1.0 }
+    }
+
+    /// Options that are no numbers where they should be, or are not known, change nothing.
+    fn set(&mut self, option: &[u8], values: &[&[u8]]) {
+        let value = |i: usize| values.get(i).and_then(|word| finite(word).ok());
+        match option {
+            b"-clamp" => self.clamp = values == [b"on"],
+            b"-bm" => self.multiplier = value(0).unwrap_or(self.multiplier),
+            b"-s" => self.scale = [value(0).unwrap_or(1.0), value(1).unwrap_or(1.0)],
+            b"-o" => self.offset = [value(0).unwrap_or(0.0), value(1).unwrap_or(0.0)],
+            _ => {}
+        }
+    }
+}
