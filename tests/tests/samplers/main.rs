@@ -5,6 +5,7 @@ mod directions;
 mod functions;
 mod microfacets;
 mod numbers;
+mod principled;
 
 use glam::DVec3;
 use raggio_scene::Scene;

@@ -26,13 +26,13 @@ impl Facets {
         DVec3::new(m.x / self.alpha[0], m.y / self.alpha[1], m.z).normalize()
     }
 
-    fn distribution(&self, m: DVec3) -> f64 {
+    pub fn distribution(&self, m: DVec3) -> f64 {
         let [ax, ay] = self.alpha;
         let slopes = (m.x / m.z / ax).powi(2) + (m.y / m.z / ay).powi(2);
         if m.z <= 0.0 { 0.0 } else { 1.0 / (PI * ax * ay * m.z.powi(4) * (1.0 + slopes).powi(2)) }
     }
 
-    fn masking(&self, w: DVec3) -> f64 {
+    pub fn masking(&self, w: DVec3) -> f64 {
         let tangent2 = ((self.alpha[0] * w.x).powi(2) + (self.alpha[1] * w.y).powi(2)) / (w.z * w.z);
         2.0 / (1.0 + (1.0 + tangent2).sqrt())
     }
@@ -92,7 +92,7 @@ impl Facets {
     }
 }
 
-fn fresnel(cosine: f64, eta: f64) -> f64 {
+pub fn fresnel(cosine: f64, eta: f64) -> f64 {
     let sine2 = eta * eta * (1.0 - cosine * cosine);
     if sine2 >= 1.0 {
         return 1.0;

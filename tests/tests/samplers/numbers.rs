@@ -119,3 +119,27 @@ fn sine_and_cosine_are_accurate() {
         println!("{}: worst error of sine and cosine {worst:.2e}", device.label);
     });
 }
+
+/// As documented: an absolute error below 7e-8, from the axes to everywhere.
+#[test]
+fn angles_are_accurate() {
+    let random = &mut Pcg::new(5);
+    let mut coordinate = || match random.below(4) {
+        0 => 0.0,
+        1 => random.log_between(1e-30, 1e30) as f32,
+        _ => random.between(-1.0, 1.0) as f32,
+    };
+    let mut points: Vec<[f32; 2]> = (0..400_000).map(|_| [coordinate(), coordinate()]).collect();
+    points.extend([[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [0.0, -1.0], [0.0, 0.0]]);
+    let questions: Vec<Question> = points.iter().map(|[y, x]| [[*y, *x, 0.0, 0.0], [0.0; 4], [0.0; 4]]).collect();
+    for_each_device(|device| {
+        let mut worst = 0.0f64;
+        for ([y, x], answer) in points.iter().zip(device.ask(&anywhere(), Probe::Atan2, &questions)) {
+            let expected = f64::from(*y).atan2(f64::from(*x)) / TAU;
+            let error = (f64::from(answer[0][0]) - expected).abs();
+            assert!(error < 7e-8, "{}: of ({y}, {x}): expected {expected}, found {}", device.label, answer[0][0]);
+            worst = worst.max(error);
+        }
+        println!("{}: worst error of angles {worst:.2e} turns", device.label);
+    });
+}
