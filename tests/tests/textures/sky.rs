@@ -1,0 +1,194 @@
+//! The latitude-longitude image: its centre is seen along -Z, its right along +X, its top along +Y.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3, Vec3};
+use raggio_render::{DeviceScene, Probe, Question};
+use raggio_scene::{Bitmap, Environment, Scene, Texels, Texture, Wrap};
+use raggio_tests::render::means;
+use raggio_tests::{Pcg, TestDevice, for_each_device, render};
+
+use crate::{anywhere, bilinear, bright, distance, mean, middles, texel, varied};
+
+fn under(image: &Arc<Bitmap>, rotation_degrees: f32, intensity: f32) -> Scene {
+    let environment = Environment::Image { image: image.clone(), rotation_degrees, intensity };
+    Scene { environment, ..anywhere() }
+}
+
+/// Radiance, and latitude-longitude coordinates, for directions and random numbers.
+fn look(device: &TestDevice, scene: &Scene, rays: impl IntoIterator<Item = (DVec3, f32)>) -> Vec<([f32; 4], [f32; 2])> {
+    let question = |(direction, random): (DVec3, f32)| -> Question {
+        [direction.as_vec3().extend(random).to_array(), [0.0; 4], [0.0; 4]]
+    };
+    let questions: Vec<_> = rays.into_iter().map(question).collect();
+    let scene = DeviceScene::new(scene).expect("the scene fits devices");
+    device.ask_in(&scene, Probe::Sky, &questions).into_iter().map(|[a, [u, v, ..], _]| (a, [u, v])).collect()
+}
+
+/// Where the image shows a place, not yet turned.
+fn direction([u, v]: [f64; 2]) -> DVec3 {
+    let (sin_longitude, cos_longitude) = (TAU * (u - 0.5)).sin_cos();
+    let (sin, cos) = (PI * v).sin_cos();
+    DVec3::new(sin * sin_longitude, cos, -sin * cos_longitude)
+}
+
+/// The texture that a sky is, for the double-precision blend.
+fn as_texture(image: &Arc<Bitmap>) -> Texture {
+    Texture { wrap: [Wrap::Repeat, Wrap::ClampToEdge], ..Texture::new(image.clone()) }
+}
+
+/// Counter-clockwise seen from above.
+fn turned(direction: DVec3, degrees: f32) -> DVec3 {
+    DMat3::from_rotation_y(f64::from(degrees).to_radians()) * direction
+}
+
+#[test]
+fn the_axes_see_what_they_should() {
+    let row = |texels: [f32; 4]| texels.map(|v| [v; 3]);
+    let texels = [row([1.0, 2.0, 3.0, 4.0]), row([5.0, 6.0, 7.0, 8.0]), row([9.0, 10.0, 11.0, 12.0])].concat();
+    let image = Arc::new(Bitmap { width: 4, height: 3, texels: Texels::Rgb32F(texels) });
+    // In the image's middle row, halfway between two columns: even numbers choose both alike.
+    let axes = [(-DVec3::Z, 6.5), (DVec3::X, 7.5), (-DVec3::X, 5.5), (DVec3::Z, 6.5)];
+    // Turned by a quarter, -Z sees what +X has seen.
+    let turned = [(-DVec3::Z, 7.5), (DVec3::X, 6.5), (-DVec3::X, 6.5), (DVec3::Z, 5.5)];
+    for_each_device(|device| {
+        for (degrees, axes) in [(0.0, axes), (90.0, turned)] {
+            for (axis, expected) in axes {
+                let rays = [0.25, 0.75].map(|random| (axis, random));
+                let found = look(&device, &under(&image, degrees, 1.0), rays);
+                let found = 0.5 * (found[0].0[0] + found[1].0[0]);
+                assert_eq!(found, expected, "{} along {axis} with {degrees} degrees", device.label);
+            }
+        }
+    });
+}
+
+/// Every texel's centre, through any turn, at any brightness.
+#[test]
+fn texels_are_where_they_should_be() {
+    let image = bright(9, 6);
+    let texture = as_texture(&image);
+    let centers: Vec<_> = (0..54).map(|i| [f64::from(i % 9) + 0.5, f64::from(i / 9) + 0.5]).collect();
+    for_each_device(|device| {
+        for (degrees, intensity) in [(0.0, 1.0), (90.0, 0.5), (-90.0, 1.0), (37.5, 3.0), (180.0, 1.0), (-1234.5, 1.0)] {
+            let ray = |[x, y]: &[f64; 2]| (turned(direction([x / 9.0, y / 6.0]), degrees), 0.5);
+            let found = look(&device, &under(&image, degrees, intensity), centers.iter().map(ray));
+            for ([x, y], (found, _)) in centers.iter().zip(found) {
+                let [r, g, b, _] = texel(&texture, *x as i64, *y as i64).map(|v| v * f64::from(intensity));
+                let what = format!("{} ({x}, {y}) with {degrees} degrees", device.label);
+                assert!(distance([r, g, b, 0.0], found.map(f64::from)) < 1e-6, "{what}: found {found:?}");
+            }
+        }
+    });
+}
+
+/// Any direction, near the poles and across the seam behind the viewer too: the mean over evenly spaced numbers.
+#[test]
+fn directions_see_the_blend() {
+    const NUMBERS: u32 = 512;
+    let image = bright(12, 6);
+    let texture = as_texture(&image);
+    let random = &mut Pcg::new(5);
+    let mut directions: Vec<_> = (0..300).map(|_| random.direction()).collect();
+    directions.extend([DVec3::Z, DVec3::new(1e-6, 0.1, 1.0), DVec3::new(-1e-6, 0.1, 1.0)].map(DVec3::normalize));
+    directions.extend([DVec3::new(1e-6, 1.0, -1e-6), DVec3::new(1e-20, -1.0, 0.0)]);
+    for_each_device(|device| {
+        for degrees in [0.0, 200.0] {
+            let rays = directions.iter().flat_map(|d| middles(NUMBERS).map(|random| (turned(*d, degrees), random)));
+            let found: Vec<_> = look(&device, &under(&image, degrees, 1.0), rays).into_iter().map(|f| f.0).collect();
+            for (d, found) in directions.iter().zip(found.chunks_exact(NUMBERS as usize)) {
+                let u = 0.5 + d.x.atan2(-d.z) / TAU;
+                let v = d.y.clamp(-1.0, 1.0).acos() / PI;
+                let [r, g, b, _] = bilinear(&texture, [12.0 * u, 6.0 * v]);
+                let [x, y, z, _] = mean(found);
+                let error = distance([r, g, b, 0.0], [x, y, z, 0.0]);
+                // Three borders off by one of the numbers, of values up to 4.
+                assert!(error < 4.0 * 3.0 / 512.0, "{} along {d}: found {:?}", device.label, [x, y, z]);
+            }
+        }
+    });
+}
+
+/// A hair from the pole the angle to it is as precise as anywhere, and at the pole it is 0.
+#[test]
+fn poles_are_exact() {
+    let random = &mut Pcg::new(6);
+    let mut near = |y: f64| {
+        let (sin, cos) = random.between(0.0, TAU).sin_cos();
+        let sine = random.log_between(1e-12, 1e-3);
+        DVec3::new(sine * sin, y, sine * cos)
+    };
+    let directions: Vec<_> = (0..2000).map(|i| near(if i % 2 == 0 { 1.0 } else { -1.0 })).collect();
+    let scene = under(&varied(4, 2), 0.0, 1.0);
+    for_each_device(|device| {
+        for (d, (_, [_, v])) in directions.iter().zip(look(&device, &scene, directions.iter().map(|d| (*d, 0.5)))) {
+            let d = d.as_vec3().as_dvec3();
+            let from_pole = d.x.hypot(d.z).atan2(d.y.abs()) / PI;
+            if d.y > 0.0 {
+                assert!((f64::from(v) / from_pole - 1.0).abs() < 1e-6, "{} along {d}: {v}", device.label);
+            } else {
+                assert!((1.0 - f64::from(v) - from_pole).abs() < 1.2e-7, "{} along {d}: {v}", device.label);
+            }
+        }
+        let poles = look(&device, &scene, [(DVec3::Y, 0.5), (DVec3::NEG_Y, 0.5)]);
+        assert_eq!(poles.iter().map(|(_, uv)| *uv).collect::<Vec<_>>(), [[0.5, 0.0], [0.5, 1.0]], "{}", device.label);
+    });
+}
+
+/// Light from everywhere together, against the integral of the blend in double precision.
+#[test]
+fn the_sphere_sees_the_images_integral() {
+    const SIDE: u32 = 512;
+    let image = bright(16, 8);
+    let texture = as_texture(&image);
+    // Along a circle of latitude, the blend's mean is that of the texels' means.
+    let circle = |v: f64| (0..16).map(|x| bilinear(&texture, [f64::from(x) + 0.5, 8.0 * v])[0]).sum::<f64>() / 16.0;
+    let steps = 100_000;
+    let expected: f64 = (0..steps)
+        .map(|i| (f64::from(i) + 0.5) / f64::from(steps))
+        .map(|v| circle(v) * (PI * v).sin() * TAU * PI / f64::from(steps))
+        .sum();
+    // A direction in each cell of equal solid angle.
+    let random = &mut Pcg::new(7);
+    let mut ray = |i: u32| {
+        let cell = |i: u32, offset: f32| (f64::from(i) + f64::from(offset)) / f64::from(SIDE);
+        let y = 1.0 - 2.0 * cell(i / SIDE, random.unit());
+        let (sin, cos) = (TAU * cell(i % SIDE, random.unit())).sin_cos();
+        let radius = (1.0 - y * y).sqrt();
+        (DVec3::new(radius * sin, y, radius * cos), random.unit())
+    };
+    let rays: Vec<_> = (0..SIDE * SIDE).map(&mut ray).collect();
+    for_each_device(|device| {
+        let found = look(&device, &under(&image, 77.0, 2.0), rays.iter().copied());
+        let values: Vec<_> = found.iter().map(|(radiance, _)| f64::from(radiance[0])).collect();
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        // Of independent directions; that each cell has one makes it smaller.
+        let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        let error = 4.0 * PI * (variance / count).sqrt();
+        let (expected, found) = (2.0 * expected, 4.0 * PI * mean);
+        assert!((found - expected).abs() < 4.0 * error, "{}: expected {expected}, found {found}", device.label);
+        assert!(error < 0.005 * expected, "{}: {error} of {expected} is too uncertain", device.label);
+    });
+}
+
+/// What a camera's rays see that meet nothing: in the picture's middle the image's.
+#[test]
+fn cameras_see_it() {
+    let colors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0]];
+    let image = Arc::new(Bitmap { width: 4, height: 1, texels: Texels::Rgb32F(colors.to_vec()) });
+    for_each_device(|device| {
+        // Turned until the camera, which looks along -Z, sees the middle of each texel; a picture of one pixel across
+        // takes in little else.
+        for (degrees, color) in [135.0f32, 45.0, -45.0, -135.0].into_iter().zip(colors) {
+            let mut scene = under(&image, -degrees, 0.25);
+            (scene.render.width, scene.render.height) = (4, 4);
+            scene.camera.vertical_fov_degrees = 1e-3;
+            for found in means(&render(device.device, &scene, 64)) {
+                let expected = 0.25 * Vec3::from(color).as_dvec3();
+                assert!((found - expected).abs().max_element() < 1e-3, "{}: {found} for {expected}", device.label);
+            }
+        }
+    });
+}
