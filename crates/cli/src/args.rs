@@ -3,6 +3,7 @@ use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use raggio_render::{CpuOptions, DeviceChoice, OpenOptions, ToneMapper};
+use raggio_scene::AssetOptions;
 
 /// A progressive path tracer on Vulkan and the CPU.
 #[derive(Parser)]
@@ -22,8 +23,10 @@ pub enum Command {
     Devices,
     /// Read a scene and say what is wrong with it, if anything
     Check {
-        /// Scene file (.toml)
+        /// Scene file (.toml), or a model (.glb, .gltf, .ply, .obj, .stl)
         scene: PathBuf,
+        #[command(flatten)]
+        assets: AssetArguments,
     },
     /// Render the scene that comes with raggio, to showcase.png
     Demo(DemoArguments),
@@ -33,8 +36,10 @@ pub enum Command {
 
 #[derive(Args)]
 pub struct RenderArguments {
-    /// Scene file (.toml)
+    /// Scene file (.toml), or a model (.glb, .gltf, .ply, .obj, .stl), which gets a camera, a ground and a sky
     pub scene: PathBuf,
+    #[command(flatten)]
+    pub assets: AssetArguments,
     /// Image to write, .png (tone-mapped) or .exr (linear radiance); may be given several times [default: NAME.png]
     #[arg(short, long = "output", value_name = "FILE")]
     pub output: Vec<PathBuf>,
@@ -69,8 +74,10 @@ pub struct DemoArguments {
 
 #[derive(Args)]
 pub struct ViewArguments {
-    /// Scene file (.toml)
+    /// Scene file (.toml), or a model (.glb, .gltf, .ply, .obj, .stl), which gets a camera, a ground and a sky
     pub scene: PathBuf,
+    #[command(flatten)]
+    pub assets: AssetArguments,
     #[command(flatten)]
     pub machine: MachineArguments,
     /// Size of the window; the picture takes what the panels leave of it
@@ -91,6 +98,28 @@ pub struct ViewArguments {
     /// Write the script's frame times to this file, as JSON
     #[arg(long, value_name = "FILE", requires = "play")]
     pub stats: Option<PathBuf>,
+}
+
+/// How models are read.
+#[derive(Args)]
+pub struct AssetArguments {
+    /// The moment of animations, in seconds from their beginning, in place of the scene's [default: the pose of rest]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = seconds)]
+    pub time: Option<f64>,
+    /// Let models name files outside their own folder
+    #[arg(long)]
+    pub allow_outside: bool,
+}
+
+impl AssetArguments {
+    /// `size` is that of the picture, if it is known.
+    pub fn options(&self, size: Option<Size>) -> AssetOptions {
+        AssetOptions {
+            allow_outside: self.allow_outside,
+            time_seconds: self.time,
+            picture: size.map(|size| [size.width, size.height]),
+        }
+    }
 }
 
 /// What to render on, and how loudly.
@@ -154,6 +183,10 @@ impl FromStr for Size {
 
 fn scale(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|scale| (0.25..=8.0).contains(scale)).ok_or_else(|| "give a number from 0.25 to 8".into())
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|time| (0.0..=1e9).contains(time)).ok_or_else(|| "give seconds, 0 to 1e9".into())
 }
 
 fn stops(text: &str) -> Result<f32, String> {

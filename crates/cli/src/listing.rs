@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use raggio_render::DeviceScene;
-use raggio_scene::Scene;
+use raggio_scene::{AssetOptions, Assets, Counts, Scene};
 
 use crate::error::Failure;
 use crate::output::{print, say};
@@ -35,18 +35,30 @@ pub fn devices() -> Result<(), Failure> {
     Ok(())
 }
 
-pub fn check(path: &Path) -> Result<(), Failure> {
-    let scene = Scene::load(path)?;
+pub fn check(path: &Path, options: AssetOptions) -> Result<(), Failure> {
+    let scene = Scene::load_with(path, &mut Assets::new(options))?;
     DeviceScene::new(&scene).map_err(|e| Failure::Input(format!("{}: {e}", path.display())))?;
     for warning in &scene.warnings {
         say(format_args!("warning: {warning}"));
     }
     let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    let Counts { triangles, meshes, instances, textures } = scene.counts();
+    let from_files = match (instances, textures) {
+        (0, 0) => String::new(),
+        (0, _) => format!(", {}", count(textures, "texture")),
+        _ => {
+            let textures = count(textures, "texture");
+            let meshes = if meshes == 1 { "1 mesh".to_string() } else { format!("{meshes} meshes") };
+            let (triangles, instances) = (count(triangles, "triangle"), count(instances, "instance"));
+            format!(", {textures}, {meshes} with {triangles} in {instances}")
+        }
+    };
     print(format_args!(
-        "{}: {}, {}, {}x{}, {}",
+        "{}: {}, {}{}, {}x{}, {}",
         path.display(),
-        count(scene.shapes.len(), "shape"),
+        count(scene.entries.len(), "shape"),
         count(scene.materials.len(), "material"),
+        from_files,
         scene.render.width,
         scene.render.height,
         count(scene.render.samples as usize, "sample"),

@@ -26,7 +26,7 @@ fn main() -> ExitCode {
         Command::Demo(arguments) => render::demo(&arguments),
         Command::View(arguments) => view::view(&arguments),
         Command::Devices => listing::devices(),
-        Command::Check { scene } => listing::check(&scene),
+        Command::Check { scene, assets } => listing::check(&scene, assets.options(None)),
         Command::Schema => listing::schema(),
     };
     match outcome {

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use raggio_render::{DeviceScene, Display, Film, ImageFile, Progress, Renderer};
-use raggio_scene::Scene;
+use raggio_scene::{Assets, Scene};
 
 use crate::args::{DemoArguments, MachineArguments, Overrides, RenderArguments};
 use crate::error::{Failure, cannot_write};
@@ -16,7 +16,8 @@ const SHOWCASE: &str = include_str!("../../../scenes/showcase.toml");
 
 /// `raggio render`.
 pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
-    let scene = Scene::load(&arguments.scene)?;
+    let mut assets = Assets::new(arguments.assets.options(arguments.overrides.size));
+    let scene = Scene::load_with(&arguments.scene, &mut assets)?;
     let outputs = if arguments.output.is_empty() {
         // Appended, for `a.b.toml` is not to become `a.png`.
         let mut name = arguments.scene.file_stem().unwrap_or_default().to_owned();

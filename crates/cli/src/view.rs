@@ -13,6 +13,7 @@ pub fn view(arguments: &ViewArguments) -> Result<(), Failure> {
     }
     let options = Options {
         scene: arguments.scene.clone(),
+        assets: arguments.assets.options(None),
         device: arguments.machine.device,
         open: arguments.machine.options(),
         size: [arguments.size.width, arguments.size.height],

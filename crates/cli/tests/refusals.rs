@@ -28,10 +28,12 @@ fn a_missing_scene_is_named() {
 }
 
 #[test]
-fn meshes_are_told_apart_from_scenes() {
+fn what_is_wrong_with_a_model_is_said_of_it() {
     let folder = folder_with(SCENE);
     std::fs::write(folder.path().join("bunny.ply"), "ply").expect("a file");
-    assert_refused(&raggio(folder.path(), &["render", "bunny.ply"]), "bunny.ply: ");
+    assert_refused(&raggio(folder.path(), &["render", "bunny.ply"]), "error: bunny.ply:");
+    assert_refused(&raggio(folder.path(), &["check", "nothing.glb"]), "error: nothing.glb: there is no such file");
+    assert_refused(&raggio(folder.path(), &["check", "scene.toml", "--time", "-1"]), "give seconds, 0 to 1e9");
 }
 
 #[test]

@@ -1,44 +1,71 @@
 //! From what the file says to the scene: defaults that depend on other keys, and every check that
 //! needs more than one number.
 
+mod environment;
+mod materials;
+mod meshes;
+mod principled;
 mod shapes;
 
 use std::collections::HashMap;
+use std::path::Path;
 
 use glam::{DVec3, Vec3};
 
+use crate::assets::{Assets, Imported};
 use crate::fault::{Fault, steps};
-use crate::file::{
-    CameraFile, EnvironmentFile, FilterFile, MaterialFile, Materials, ReflectionFile, RenderFile, SceneFile,
-};
+use crate::file::{CameraFile, FilterFile, RenderFile, SceneFile};
 use crate::names;
-use crate::number::{BRIGHTEST, SMALLEST};
-use crate::scene::{Camera, Environment, Filter, Material, Reflection, RenderSettings, Scene, Shape};
+use crate::number::SMALLEST;
+use crate::scene::{Camera, Environment, Filter, Geometry, Material, RenderSettings, Scene};
 
 /// Sine of the smallest angle between `up` and the viewing direction.
 const PARALLEL: f64 = 1e-5;
 
-/// The scene, its warnings still apart; the first fault in the order of the sections.
-pub(crate) fn scene(file: SceneFile) -> Result<(Scene, Vec<Fault>), Fault> {
+/// The scene, its warnings still apart; the first fault in the order of the sections. Paths are relative to `folder`.
+pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets) -> Result<(Scene, Vec<Fault>), Fault> {
     let mut warnings = Vec::new();
+    let files = &mut Files { folder, assets };
     let camera = camera(&file.camera)?;
-    let environment = file.environment.as_ref().map(environment).transpose()?;
-    let environment = environment.unwrap_or(Environment::Constant(Vec3::ZERO));
-    let materials = materials(&file.materials, &mut warnings)?;
-    let indices = materials.iter().enumerate().map(|(i, it)| (it.name.as_str(), i)).collect();
-    let shapes = all_shapes(&file, &indices)?;
-    warnings.extend(file.shapes.iter().zip(&shapes).enumerate().filter_map(|(i, (file, shape))| {
-        let dielectric = materials[shape.material].refractive_index.is_some();
-        (dielectric && file.rectangle.is_some()).then(|| sheet(i, &file.material))
-    }));
-    let scene = Scene { render: render(&file.render), camera, environment, shapes, materials, warnings: Vec::new() };
+    let environment = file.environment.as_ref().map(|file| environment::environment(file, files)).transpose()?;
+    let materials = materials::materials(&file.materials, files, &mut warnings)?;
+    let mut scene = Scene {
+        render: render(&file.render),
+        camera,
+        environment: environment.unwrap_or(Environment::Constant(Vec3::ZERO)),
+        shapes: Vec::with_capacity(file.shapes.len()),
+        entries: Vec::with_capacity(file.shapes.len()),
+        materials,
+        lights: Vec::new(),
+        warnings: Vec::new(),
+    };
+    let names = file.materials.0.iter().enumerate();
+    let indices = names.map(|(index, (name, _))| (name.as_str(), index)).collect();
+    let mut builder =
+        Builder { scene: &mut scene, files, indices, warnings: &mut warnings, first_materials: HashMap::new() };
+    for (index, shape) in file.shapes.iter().enumerate() {
+        builder.add(index, shape, &file.materials)?;
+    }
+    warnings.extend(sheets(&scene, file));
     warnings.extend(darkness(&scene));
     Ok((scene, warnings))
 }
 
-fn all_shapes(file: &SceneFile, indices: &HashMap<&str, usize>) -> Result<Vec<Shape>, Fault> {
-    let shapes = file.shapes.iter().enumerate();
-    shapes.map(|(index, shape)| shapes::shape(index, shape, indices, &file.materials)).collect()
+/// Where a scene's files are.
+struct Files<'a> {
+    folder: &'a Path,
+    assets: &'a mut Assets,
+}
+
+/// A scene whose shapes are being added.
+struct Builder<'a, 'f> {
+    scene: &'a mut Scene,
+    files: &'a mut Files<'f>,
+    /// Each material of the file, by its name.
+    indices: HashMap<&'a str, usize>,
+    warnings: &'a mut Vec<Fault>,
+    /// The models met so far, and where their own materials begin if they are used.
+    first_materials: HashMap<*const Imported, Option<usize>>,
 }
 
 /// As 32-bit floats; the types of the file have checked that they are in range.
@@ -113,94 +140,12 @@ fn perpendicular_axis(towards: DVec3) -> &'static str {
     }
 }
 
-fn environment(file: &EnvironmentFile) -> Result<Environment, Fault> {
-    refuse_image(file)?;
-    let message = match (file.color, file.horizon, file.zenith) {
-        (Some(color), None, None) => return Ok(Environment::Constant(vec3(color))),
-        (None, Some(horizon), Some(zenith)) => {
-            let (horizon, zenith) = (vec3(horizon), vec3(zenith));
-            return Ok(Environment::Gradient { horizon, zenith });
-        }
-        (None, None, None) => "[environment] is empty: give it `color`, or `horizon` and `zenith`",
-        (None, Some(_), None) => "`horizon` in [environment] needs `zenith` beside it",
-        (None, None, Some(_)) => "`zenith` in [environment] needs `horizon` beside it",
-        (Some(_), ..) => {
-            "`color` in [environment] cannot stand beside `horizon` and `zenith`: keep one or the \
-             other"
-        }
-    };
-    let given =
-        [("color", file.color.is_some()), ("horizon", file.horizon.is_some()), ("zenith", file.zenith.is_some())];
-    Err(match given.iter().find(|(_, is_given)| *is_given) {
-        Some((key, _)) => Fault::key(steps!["environment", *key], message),
-        None => Fault::value(steps!["environment"], message),
-    })
-}
-
-fn refuse_image(file: &EnvironmentFile) -> Result<(), Fault> {
-    let given = [
-        ("image", file.image.is_some()),
-        ("rotation_degrees", file.rotation_degrees.is_some()),
-        ("intensity", file.intensity.is_some()),
-    ];
-    let message = "environment images are not in this version of raggio: use `color` or \
-                   `horizon` and `zenith`";
-    match given.iter().find(|(_, is_given)| *is_given) {
-        Some((key, _)) => Err(Fault::key(steps!["environment", *key], message)),
-        None => Ok(()),
-    }
-}
-
-fn materials(file: &Materials, warnings: &mut Vec<Fault>) -> Result<Vec<Material>, Fault> {
-    let mut materials = Vec::with_capacity(file.0.len());
-    for (name, material) in &file.0 {
-        warn_of_opaque(name, material, warnings);
-        refuse_too_bright(name, material)?;
-        materials.push(self::material(name, material));
-    }
-    Ok(materials)
-}
-
-fn refuse_too_bright(name: &str, file: &MaterialFile) -> Result<(), Fault> {
-    let brightest = file.emission_color.iter().map(|c| c.0).fold(0.0, f64::max) * file.emission_strength.0;
-    if brightest <= BRIGHTEST {
-        return Ok(());
-    }
-    let table = names::key(name);
-    let message = format!("`emission_strength` times `emission_color` in [materials.{table}] must be at most 1e9");
-    Err(Fault::value(steps!["materials", name, "emission_strength"], message))
-}
-
-/// What only a dielectric has, given to an opaque material.
-fn warn_of_opaque(name: &str, file: &MaterialFile, warnings: &mut Vec<Fault>) {
-    if file.refractive_index.is_some() {
-        return;
-    }
-    let given = [("reflection", file.reflection.is_some()), ("priority", file.priority.is_some())];
-    for (key, _) in given.into_iter().filter(|(_, is_given)| *is_given) {
-        let table = names::key(name);
-        let message = format!("`{key}` in [materials.{table}] does nothing without `refractive_index`");
-        warnings.push(Fault::key(steps!["materials", name, key], message));
-    }
-}
-
-fn material(name: &str, file: &MaterialFile) -> Material {
-    let emission_strength = file.emission_strength.0 as f32;
-    // A lamp is black unless told otherwise: its own light is what one wants to see of it.
-    let default_color = if file.emission_strength.0 > 0.0 { 0.0 } else { 0.8 };
-    Material {
-        name: name.to_string(),
-        color: file.color.map_or(Vec3::splat(default_color), vec3),
-        emission_color: vec3(file.emission_color),
-        emission_strength,
-        smoothness: file.smoothness.0 as f32,
-        refractive_index: file.refractive_index.map(|index| index.0 as f32),
-        reflection: match file.reflection {
-            None | Some(ReflectionFile::Named(_)) => Reflection::Fresnel,
-            Some(ReflectionFile::Probability(p)) => Reflection::Probability(p.0 as f32),
-        },
-        priority: file.priority.map_or(0, |priority| priority.0 as i32),
-    }
+/// A warning of each rectangle that is a dielectric.
+fn sheets(scene: &Scene, file: &SceneFile) -> Vec<Fault> {
+    let sheets = scene.shapes.iter().filter(|shape| {
+        matches!(shape.geometry, Geometry::Rectangle { .. }) && scene.materials[shape.material].is_dielectric()
+    });
+    sheets.map(|shape| sheet(shape.entry, file.shapes[shape.entry].material.as_deref().unwrap_or_default())).collect()
 }
 
 /// A warning of a dielectric without an inside.
@@ -216,7 +161,9 @@ fn sheet(index: usize, material: &str) -> Fault {
 /// A warning when the picture will be black.
 fn darkness(scene: &Scene) -> Option<Fault> {
     let mut used = scene.shapes.iter().map(|shape| &scene.materials[shape.material]);
-    if !scene.environment.is_black() || used.any(Material::is_emissive) {
+    let mut imported = scene.materials.iter().filter(|material| material.imported);
+    let shines = used.any(Material::is_emissive) || imported.any(Material::is_emissive);
+    if !scene.environment.is_black() || !scene.lights.is_empty() || shines {
         return None;
     }
     let message = "nothing in the scene shines, so the picture will be black: give [environment] \

@@ -2,7 +2,8 @@
 
 /// What is wrong with a scene, and where.
 ///
-/// Displayed as `file:line:column: message`, or `file: message` when there is no place to name.
+/// Displayed as `file:line:column: message`, as `file:line: message` (a model's), or as `file: message` when there is no
+/// place to name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}: {message}", place(.file, *.line, *.column))]
 pub struct SceneError {
@@ -10,7 +11,7 @@ pub struct SceneError {
     pub file: String,
     /// Counted from 1; 0 when the error is about the file as a whole.
     pub line: usize,
-    /// In characters, counted from 1; 0 when the error is about the file as a whole.
+    /// In characters, counted from 1; 0 when the error is about the line or the file as a whole.
     pub column: usize,
     /// One sentence: what is wrong, what would be right.
     pub message: String,
@@ -23,7 +24,11 @@ impl SceneError {
     }
 }
 
-/// `file:line:column`, without the numbers where the line is 0.
+/// `file:line:column`, without the numbers that are 0.
 pub(crate) fn place(file: &str, line: usize, column: usize) -> String {
-    if line == 0 { file.to_string() } else { format!("{file}:{line}:{column}") }
+    match (line, column) {
+        (0, _) => file.to_string(),
+        (_, 0) => format!("{file}:{line}"),
+        _ => format!("{file}:{line}:{column}"),
+    }
 }

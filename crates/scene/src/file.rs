@@ -2,6 +2,8 @@
 //!
 //! Their doc comments are the descriptions in the schema, so they speak to whoever writes a scene.
 
+mod principled;
+
 use std::fmt;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -13,10 +15,16 @@ use crate::number::{
 };
 use crate::scene::RenderSettings;
 
+pub(crate) use principled::{
+    AlphaModeFile, PrincipledFile, TextureFile, TextureFilterFile, TextureTable, WrapFile, WrapName,
+};
+
 /// A point or a direction: x, y and z.
 pub(crate) type Point = [Coordinate; 3];
 /// Linear red, green and blue, 0 or more.
 pub(crate) type Radiance = [Brightness; 3];
+/// Of overlapping dielectrics the higher one wins.
+pub(crate) type Priority = Whole<-2147483648, 2147483647>;
 
 /// A scene for raggio, a progressive path tracer. Lengths are in any one unit, angles in degrees,
 /// colours in linear red, green and blue; y points up unless the camera says otherwise.
@@ -100,7 +108,9 @@ pub(crate) struct CameraFile {
 #[serde(deny_unknown_fields)]
 #[schemars(extend("oneOf" = [
     { "required": ["color"] }, { "required": ["horizon", "zenith"] }, { "required": ["image"] }
-]), extend("dependentRequired" = { "horizon": ["zenith"], "zenith": ["horizon"] }))]
+]), extend("dependentRequired" = {
+    "horizon": ["zenith"], "zenith": ["horizon"], "rotation_degrees": ["image"], "intensity": ["image"]
+}))]
 #[schemars(rename = "Environment")]
 pub(crate) struct EnvironmentFile {
     /// The same radiance from everywhere.
@@ -109,36 +119,39 @@ pub(crate) struct EnvironmentFile {
     pub horizon: Option<Radiance>,
     /// Radiance from straight above; needs `horizon`.
     pub zenith: Option<Radiance>,
-    /// Latitude-longitude image, its path relative to the scene file; its centre is seen along -Z, its right along +X, its top along +Y. Not in this version of raggio.
+    /// Latitude-longitude image (HDR, EXR, PNG, JPEG, WebP, KTX2), its path relative to the scene file; its centre is seen along -Z, its right along +X, its top along +Y.
     pub image: Option<String>,
-    /// Turns the image about the y axis. Not in this version of raggio.
+    /// Turns the image about the y axis, counter-clockwise seen from above; needs `image`. Default 0.
     pub rotation_degrees: Option<Coordinate>,
-    /// Multiplies the image. Not in this version of raggio.
-    pub intensity: Option<NonNegative>,
+    /// Multiplies the image; needs `image`. Default 1.
+    pub intensity: Option<Brightness>,
 }
 
-/// How a surface reflects, transmits and emits light.
+/// How a surface reflects, transmits and emits light: `principled`, or any of the other keys.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("if" = { "required": ["principled"] }, "then" = { "maxProperties": 1 }))]
 #[schemars(rename = "Material")]
 pub(crate) struct MaterialFile {
     /// Part of the light that is reflected, or transmitted; default [0.8, 0.8, 0.8], but [0, 0, 0] when `emission_strength` is greater than 0.
     pub color: Option<[Reflectance; 3]>,
     /// Colour of the emitted light.
-    #[serde(default = "white")]
-    pub emission_color: Radiance,
+    #[schemars(extend("default" = [1.0, 1.0, 1.0]))]
+    pub emission_color: Option<Radiance>,
     /// Multiplied by `emission_color` it is the emitted radiance.
-    #[serde(default = "unlit")]
-    pub emission_strength: Brightness,
+    #[schemars(extend("default" = 0.0))]
+    pub emission_strength: Option<Brightness>,
     /// From 0, diffuse, to 1, a mirror; a dielectric ignores it.
-    #[serde(default = "diffuse")]
-    pub smoothness: Fraction,
+    #[schemars(extend("default" = 0.0))]
+    pub smoothness: Option<Fraction>,
     /// Makes the material a dielectric, such as glass (1.5) or water (1.33); absent: opaque.
     pub refractive_index: Option<RefractiveIndex>,
     /// How often a dielectric reflects: "fresnel" (default), or one probability for every angle.
     pub reflection: Option<ReflectionFile>,
     /// Of overlapping dielectrics the one of higher priority wins; of equal ones the one entered last. Default 0.
-    pub priority: Option<Whole<-2147483648, 2147483647>>,
+    pub priority: Option<Priority>,
+    /// A physically based material with glTF's names and meanings; no other key may stand beside it.
+    pub principled: Option<PrincipledFile>,
 }
 
 /// "fresnel", or a probability.
@@ -164,13 +177,13 @@ pub(crate) enum ReflectionName {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend("oneOf" = [
-    { "required": ["sphere"] }, { "required": ["plane"] }, { "required": ["rectangle"] },
-    { "required": ["box"] }, { "required": ["mesh"] }
+    { "required": ["material", "sphere"] }, { "required": ["material", "plane"] },
+    { "required": ["material", "rectangle"] }, { "required": ["material", "box"] }, { "required": ["mesh"] }
 ]))]
 #[schemars(rename = "Shape")]
 pub(crate) struct ShapeFile {
-    /// Name of one of the materials.
-    pub material: String,
+    /// Name of one of the materials; only a mesh whose file has materials may go without.
+    pub material: Option<String>,
     /// A sphere.
     pub sphere: Option<SphereFile>,
     /// An endless plane.
@@ -180,7 +193,7 @@ pub(crate) struct ShapeFile {
     /// A box, which may be turned.
     #[serde(rename = "box")]
     pub cuboid: Option<BoxFile>,
-    /// Triangles from a file. Not in this version of raggio.
+    /// Triangles from a file. Without `material` it has the file's own materials.
     pub mesh: Option<MeshFile>,
 }
 
@@ -233,13 +246,12 @@ pub(crate) struct BoxFile {
     pub rotation_degrees: Point,
 }
 
-/// Triangles from a glTF, GLB, PLY or OBJ file: p becomes translation + rotation * scale * p. Not in this version of raggio.
+/// Everything that a model file shows: p becomes translation + rotation * scale * p.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[allow(dead_code, reason = "read so that its errors are found, then refused")]
 #[schemars(rename = "Mesh")]
 pub(crate) struct MeshFile {
-    /// Path relative to the scene file.
+    /// Path of a .gltf, .glb, .ply, .obj or .stl file, relative to the scene file.
     pub file: String,
     /// Moves it, last.
     #[serde(default = "origin")]
@@ -247,14 +259,15 @@ pub(crate) struct MeshFile {
     /// Turns it about the fixed x axis first, then y, then z.
     #[serde(default = "origin")]
     pub rotation_degrees: Point,
-    /// One factor, or one for each of x, y and z; default 1.
+    /// One factor, or one for each of x, y and z; not 0, negative ones mirror. Default 1.
     pub scale: Option<ScaleFile>,
+    /// Seconds from the beginning of the file's animations; absent: the pose of rest.
+    pub time: Option<NonNegative>,
 }
 
 /// One factor, or one for each of x, y and z.
-#[derive(Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "must be a number or three numbers")]
-#[allow(dead_code, reason = "read so that its errors are found, then refused")]
 #[schemars(rename = "Scale")]
 pub(crate) enum ScaleFile {
     /// The same along every axis.
@@ -328,18 +341,6 @@ fn y_axis() -> Point {
     [Coordinate(0.0), Coordinate(1.0), Coordinate(0.0)]
 }
 
-fn white() -> Radiance {
-    [Brightness(1.0); 3]
-}
-
-fn unlit() -> Brightness {
-    Brightness(0.0)
-}
-
 fn zero() -> NonNegative {
     NonNegative(0.0)
-}
-
-fn diffuse() -> Fraction {
-    Fraction(0.0)
 }

@@ -3,7 +3,8 @@
 //! A scene file goes one way through this crate: TOML text is read into types that mirror the
 //! file (`file`), each of whose numbers checks its own range (`number`); what needs more than one
 //! key is checked while those types become a [`Scene`] (`convert`). Every error names the place
-//! in the file, what is wrong there and what would be right.
+//! in the file, what is wrong there and what would be right. Models and images that the file names are read once and
+//! kept in [`Assets`]; a model without a scene gets one that shows it (`showing`).
 //!
 //! ```
 //! let text = r#"
@@ -24,7 +25,9 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod assets;
 mod convert;
+mod counts;
 mod error;
 mod fault;
 mod file;
@@ -34,10 +37,18 @@ mod number;
 mod reader;
 mod scene;
 mod schema;
+mod showing;
 mod source;
 
+pub use assets::{AssetOptions, Assets, is_model};
+pub use counts::Counts;
 pub use error::SceneError;
-pub use glam::Vec3;
-pub use load::{display_name, read_text};
-pub use scene::{Camera, Environment, Filter, Geometry, Material, Reflection, RenderSettings, Scene, Shape, rotation};
+pub use glam::{DAffine3, DMat3, DVec3, Vec3};
+pub use load::{display_name, scene_text};
+pub use raggio_images::{Bitmap, Texels};
+pub use raggio_models::{AlphaMode, Light, LightKind, Mesh, Part, Principled, Texture, TextureFilter, Wrap};
+pub use scene::{
+    Camera, Entry, Environment, Filter, Geometry, Material, Placement, Reflection, RenderSettings, Scene, Shape,
+    rotation,
+};
 pub use schema::schema;

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
+use crate::assets::{Assets, is_model};
 use crate::convert;
 use crate::error::SceneError;
 use crate::fault::{Fault, Kind, Step};
@@ -14,41 +15,83 @@ use crate::names;
 use crate::number::Version;
 use crate::reader::Node;
 use crate::scene::Scene;
-use crate::source::{Document, error_after};
+use crate::showing;
+use crate::source::{Document, MOST_WARNINGS, error_after};
 
 /// Larger files are refused before they are read; text of this size is a few million shapes.
 const MOST_BYTES: u64 = 64 << 20;
 
 impl Scene {
-    /// Reads and checks a `.toml` scene file.
+    /// Reads and checks a `.toml` scene file, or shows a model.
     ///
     /// # Errors
-    /// When the file cannot be read, is larger than 64 MiB, or is not a valid scene.
+    /// Those of [`Scene::load_with`].
     pub fn load(path: &Path) -> Result<Self, SceneError> {
-        let text = read_text(path)?;
-        Self::parse(&text, &display_name(path))
+        Self::load_with(path, &mut Assets::default())
     }
 
-    /// Reads and checks the text of a scene file; `name` stands for the file in messages.
+    /// Reads and checks a `.toml` scene file, or shows a model; `assets` has, then, what it is made of.
+    ///
+    /// # Errors
+    /// When the file, or one that it names, cannot be read, is too large, or is not valid.
+    pub fn load_with(path: &Path, assets: &mut Assets) -> Result<Self, SceneError> {
+        let text = scene_text(path, assets)?;
+        let name = display_name(path);
+        let (mut scene, warnings, document) = read_scene(&text, &name, path, assets)?;
+        scene.warnings = if is_model(path) {
+            // Nobody has seen the text, so its lines are nothing to speak of.
+            warnings.iter().take(MOST_WARNINGS).map(|warning| warning.sentence("")).collect()
+        } else {
+            document.warnings(&warnings)
+        };
+        Ok(scene)
+    }
+
+    /// Reads and checks the text of a scene file that needs no other file, or few; `name` stands for the file in messages,
+    /// and the paths in the text are relative to its folder.
     ///
     /// # Errors
     /// When the text is not a valid scene.
     pub fn parse(text: &str, name: &str) -> Result<Self, SceneError> {
-        let document = Document::parse(text, name)?;
-        let read = || convert::scene(scene_file(&document)?);
-        let (mut scene, warnings) = read().map_err(|fault| document.error(&fault))?;
+        Self::parse_with(text, Path::new(name), &mut Assets::default())
+    }
+
+    /// Reads and checks the text of a scene file that is, or would be, at `path`; `assets` has, then, what it is made of.
+    ///
+    /// # Errors
+    /// When the text is not a valid scene, or a file that it names cannot be read or is not valid.
+    pub fn parse_with(text: &str, path: &Path, assets: &mut Assets) -> Result<Self, SceneError> {
+        let name = display_name(path);
+        let (mut scene, warnings, document) = read_scene(text, &name, path, assets)?;
         scene.warnings = document.warnings(&warnings);
         Ok(scene)
     }
 }
 
-/// The text of a scene file, which [`Scene::parse`] has still to check.
+fn read_scene<'a>(
+    text: &'a str,
+    name: &'a str,
+    path: &Path,
+    assets: &mut Assets,
+) -> Result<(Scene, Vec<Fault>, Document<'a>), SceneError> {
+    let document = Document::parse(text, name)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let read = scene_file(&document).and_then(|file| convert::scene(&file, folder, assets));
+    let (scene, warnings) = read.map_err(|fault| document.error(&fault))?;
+    assets.sweep();
+    Ok((scene, warnings, document))
+}
+
+/// The text of a scene file, which [`Scene::parse_with`] has still to check; for a model, that of a scene that shows it
+/// with a camera, a ground and a sky. Paths in it are relative to the folder of `path`.
 ///
 /// # Errors
-/// When the file cannot be read, is larger than 64 MiB, is a mesh, or is not UTF-8.
-pub fn read_text(path: &Path) -> Result<String, SceneError> {
+/// When the file cannot be read, is not UTF-8 (a scene), is not valid or without triangles (a model), or is too large.
+pub fn scene_text(path: &Path, assets: &mut Assets) -> Result<String, SceneError> {
+    if is_model(path) {
+        return showing::text(path, assets);
+    }
     let name = display_name(path);
-    refuse_meshes(path, &name)?;
     let bytes = read(path).map_err(|message| SceneError::whole_file(&name, message))?;
     utf8(&bytes, &name).map(str::to_string)
 }
@@ -67,15 +110,6 @@ fn scene_file(document: &Document<'_>) -> Result<SceneFile, Fault> {
     SceneFile::deserialize(Node(root))
 }
 
-fn refuse_meshes(path: &Path, name: &str) -> Result<(), SceneError> {
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    if ["glb", "gltf", "ply", "obj"].iter().any(|mesh| extension == *mesh) {
-        let message = "triangle meshes are not in this version of raggio: give a `.toml` scene";
-        return Err(SceneError::whole_file(name, message));
-    }
-    Ok(())
-}
-
 /// The whole file, or why not.
 fn read(path: &Path) -> Result<Vec<u8>, String> {
     let cannot = |error: std::io::Error| match error.kind() {
@@ -85,7 +119,7 @@ fn read(path: &Path) -> Result<Vec<u8>, String> {
     let file = File::open(path).map_err(cannot)?;
     let metadata = file.metadata().map_err(cannot)?;
     if metadata.is_dir() {
-        return Err("is a folder: give a `.toml` scene file".to_string());
+        return Err("is a folder: give a `.toml` scene file or a model".to_string());
     }
     let too_large = || Err("is larger than 64 MiB, the most a scene file may have".to_string());
     if metadata.len() > MOST_BYTES {

@@ -74,6 +74,11 @@ fn refractive_index(x: f64) -> Result<(), Rule> {
     require((0.1..=10.0).contains(&x), "must be between 0.1 and 10", advice)
 }
 
+fn ior(x: f64) -> Result<(), Rule> {
+    let advice = "water has 1.33, glass 1.5, diamond 2.42";
+    require((1.0..=10.0).contains(&x), "must be between 1 and 10", advice)
+}
+
 fn field_of_view(x: f64) -> Result<(), Rule> {
     let in_range = x > 0.0 && x < 180.0;
     require(in_range, "must be greater than 0 and less than 180", "")?;
@@ -133,6 +138,8 @@ numbers! {
     Reflectance, reflectance, { "minimum": 0, "maximum": 1 };
     /// Relative to vacuum.
     RefractiveIndex, refractive_index, { "minimum": 0.1, "maximum": 10 };
+    /// Refractive index of a principled material, relative to vacuum.
+    Ior, ior, { "minimum": 1, "maximum": 10 };
     /// In degrees.
     FieldOfView, field_of_view, { "minimum": 0.001, "maximum": 179.999 };
 }

@@ -1,6 +1,11 @@
 //! What a scene is, once it has been read and checked.
 
-use glam::{DMat3, EulerRot, Vec3};
+use std::ops::Range;
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat3, EulerRot, Vec3};
+use raggio_images::Bitmap;
+use raggio_models::{Light, Mesh, Principled};
 
 /// A checked scene: every number is finite, every index is in range.
 ///
@@ -13,12 +18,23 @@ pub struct Scene {
     pub camera: Camera,
     /// The light that comes from outside.
     pub environment: Environment,
-    /// In the order of the file.
+    /// In the order of the file; after them those that came with models.
     pub materials: Vec<Material>,
-    /// In the order of the file.
+    /// In the order of the file; a model may become many.
     pub shapes: Vec<Shape>,
+    /// Each `[[shapes]]` of the file.
+    pub entries: Vec<Entry>,
+    /// Lights without size, which came with models.
+    pub lights: Vec<Light>,
     /// What is allowed but probably not meant, each as `file:line:column: sentence`.
     pub warnings: Vec<String>,
+}
+
+impl Scene {
+    /// What the `[[shapes]]` of this place in the file became; nothing where the file has none there.
+    pub fn shapes_of(&self, entry: usize) -> &[Shape] {
+        self.entries.get(entry).and_then(|entry| self.shapes.get(entry.shapes.clone())).unwrap_or_default()
+    }
 }
 
 /// Size and quality of the picture.
@@ -92,6 +108,15 @@ pub enum Environment {
         /// Seen straight above.
         zenith: Vec3,
     },
+    /// A latitude-longitude image: its centre is seen along -Z, its right along +X, its top along +Y.
+    Image {
+        /// Shared with whoever else shows it.
+        image: Arc<Bitmap>,
+        /// Turns it about the y axis, counter-clockwise seen from above.
+        rotation_degrees: f32,
+        /// Multiplies it.
+        intensity: f32,
+    },
 }
 
 impl Environment {
@@ -100,6 +125,7 @@ impl Environment {
         match self {
             Self::Constant(color) => *color == Vec3::ZERO,
             Self::Gradient { horizon, zenith } => *horizon == Vec3::ZERO && *zenith == Vec3::ZERO,
+            Self::Image { intensity, .. } => *intensity == 0.0,
         }
     }
 }
@@ -123,12 +149,45 @@ pub struct Material {
     pub reflection: Reflection,
     /// Where dielectrics overlap the higher one wins.
     pub priority: i32,
+    /// If there is one it alone says what the surface does, and everything above but the name is of no meaning.
+    pub principled: Option<Arc<Principled>>,
+    /// It came with a model, and is not in the scene file.
+    pub imported: bool,
+}
+
+impl Default for Material {
+    /// What a scene file means by a material without any key: a light grey, diffuse and opaque.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            color: Vec3::splat(0.8),
+            emission_color: Vec3::ONE,
+            emission_strength: 0.0,
+            smoothness: 0.0,
+            refractive_index: None,
+            reflection: Reflection::Fresnel,
+            priority: 0,
+            principled: None,
+            imported: false,
+        }
+    }
 }
 
 impl Material {
     /// Whether it emits any light.
     pub fn is_emissive(&self) -> bool {
+        if let Some(principled) = &self.principled {
+            return principled.emissive != [0.0; 3];
+        }
         self.emission_strength > 0.0 && self.emission_color != Vec3::ZERO
+    }
+
+    /// Whether light passes into its bodies, bent by a refractive index.
+    pub fn is_dielectric(&self) -> bool {
+        match &self.principled {
+            Some(principled) => principled.transmission > 0.0 && !principled.thin_walled,
+            None => self.refractive_index.is_some(),
+        }
     }
 }
 
@@ -144,10 +203,36 @@ pub enum Reflection {
 /// A piece of geometry with its material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
+    /// The place of its `[[shapes]]` in the file.
+    pub entry: usize,
     /// Index into [`Scene::materials`].
     pub material: usize,
     /// Where and what it is.
     pub geometry: Geometry,
+}
+
+/// What one `[[shapes]]` of the file became.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// Which of [`Scene::shapes`]; a model without triangles is none of them.
+    pub shapes: Range<usize>,
+    /// The material that the file names; a model may go without.
+    pub material: Option<usize>,
+    /// Where a model stands; other shapes say themselves where they are.
+    pub placement: Option<Placement>,
+}
+
+/// Which model stands where: p becomes `translation` + rotation * `scale` * p.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placement {
+    /// As the scene file names it.
+    pub file: String,
+    /// Moves it, last.
+    pub translation: Vec3,
+    /// As [`rotation`] has it.
+    pub rotation_degrees: Vec3,
+    /// No component is 0.
+    pub scale: Vec3,
 }
 
 /// The kinds of geometry.
@@ -184,6 +269,16 @@ pub enum Geometry {
         size: Vec3,
         /// About the fixed x axis first, then y, then z.
         rotation_degrees: Vec3,
+    },
+    /// Triangles. Both sides reflect and emit; as a dielectric the mesh is a closed body.
+    Mesh {
+        /// Shared among its instances: the same allocation is the same mesh.
+        mesh: Arc<Mesh>,
+        /// Any affine map that can be undone.
+        world_from_mesh: DAffine3,
+        /// Where the materials that the mesh's parts name begin in [`Scene::materials`]. Parts without a material, and
+        /// all parts where this is `None`, have the shape's.
+        first_material: Option<usize>,
     },
 }
 

@@ -9,7 +9,7 @@ use crate::fault::{Fault, Kind, Step};
 use crate::names;
 
 /// More warnings than this help nobody.
-const MOST_WARNINGS: usize = 100;
+pub(crate) const MOST_WARNINGS: usize = 100;
 
 /// A TOML document that keeps its text.
 pub(crate) struct Document<'a> {

@@ -3,7 +3,10 @@
 mod common;
 
 use common::{EXAMPLE, check_invariants, reference_scene};
-use raggio_scene::{Camera, Environment, Filter, Geometry, Material, Reflection, RenderSettings, Scene, Shape, Vec3};
+use raggio_scene::{
+    AlphaMode, Camera, Entry, Environment, Filter, Geometry, Material, Principled, Reflection, RenderSettings, Scene,
+    Shape, Vec3,
+};
 
 const HEAD: &str = "version = 1
 [camera]
@@ -19,16 +22,7 @@ fn parse(rest: &str) -> Scene {
 }
 
 fn material(name: &str) -> Material {
-    Material {
-        name: name.to_string(),
-        color: Vec3::splat(0.8),
-        emission_color: Vec3::ONE,
-        emission_strength: 0.0,
-        smoothness: 0.0,
-        refractive_index: None,
-        reflection: Reflection::Fresnel,
-        priority: 0,
-    }
+    Material { name: name.to_string(), ..Material::default() }
 }
 
 #[test]
@@ -47,12 +41,54 @@ fn the_example_with_every_key() {
         materials: vec![
             Material { color: Vec3::ONE, smoothness: 1.0, refractive_index: Some(1.5), ..material("glass") },
             material("matt white"),
+            Material { principled: Some(lacquer().into()), ..material("lacquer") },
         ],
         shapes: example_shapes(),
+        entries: [0, 1, 1, 1].into_iter().enumerate().map(|(i, material)| entry(i, material)).collect(),
+        lights: vec![],
         warnings: vec![],
     };
     assert_eq!(Scene::parse(EXAMPLE, "scene.toml").unwrap(), expected);
     check_invariants(&expected);
+}
+
+fn lacquer() -> Principled {
+    Principled {
+        base_color: [0.8, 0.1, 0.1],
+        alpha: 0.5,
+        alpha_mode: AlphaMode::Mask(0.25),
+        metallic: 0.25,
+        roughness: 0.5,
+        ior: 1.4,
+        specular: 0.5,
+        specular_color: [1.0, 0.9, 0.8],
+        transmission: 0.25,
+        thin_walled: true,
+        attenuation_color: [0.9, 0.8, 0.7],
+        attenuation_distance: 2.0,
+        dispersion: 0.4,
+        priority: 3,
+        diffuse_transmission: 0.125,
+        diffuse_transmission_color: [0.5, 0.6, 0.7],
+        clearcoat: 1.0,
+        clearcoat_roughness: 0.1,
+        clearcoat_normal_scale: 0.5,
+        sheen_color: [0.1, 0.2, 0.3],
+        sheen_roughness: 0.3,
+        anisotropy: 0.6,
+        anisotropy_rotation: std::f32::consts::FRAC_PI_2,
+        iridescence: 0.7,
+        iridescence_ior: 1.8,
+        iridescence_thickness_minimum: 200.0,
+        iridescence_thickness_maximum: 500.0,
+        emissive: [0.0, 1.0, 2.0],
+        normal_scale: 2.0,
+        ..Principled::default()
+    }
+}
+
+fn entry(place: usize, material: usize) -> Entry {
+    Entry { shapes: place..place + 1, material: Some(material), placement: None }
 }
 
 fn example_shapes() -> Vec<Shape> {
@@ -65,7 +101,8 @@ fn example_shapes() -> Vec<Shape> {
         rotation_degrees: Vec3::new(10.0, 20.0, 30.0),
     };
     let shapes = [(0, sphere), (1, plane), (1, rectangle), (1, cuboid)];
-    shapes.map(|(material, geometry)| Shape { material, geometry }).to_vec()
+    let shapes = shapes.into_iter().enumerate();
+    shapes.map(|(entry, (material, geometry))| Shape { entry, material, geometry }).collect()
 }
 
 #[test]
@@ -188,6 +225,35 @@ fn warnings_of_a_dielectric_without_an_inside() {
     let text = "[environment]\ncolor = [1, 1, 1]\n[materials.glass]\nrefractive_index = 1.5\n[[shapes]]\nmaterial = \"glass\"\nrectangle = { corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }\n";
     let [warning] = &parse(text).warnings[..] else { panic!("one warning") };
     assert!(warning.starts_with("scene.toml:12:1: a rectangle has no inside, so `glass` fills all"), "{warning}");
+}
+
+#[test]
+fn an_empty_principled_is_gltf_s_default_but_no_metal() {
+    let scene = parse("[environment]\ncolor = [1, 1, 1]\n[materials.a]\nprincipled = {}\n");
+    assert_eq!(scene.materials[0].principled.as_deref(), Some(&Principled::default()));
+    assert_eq!(scene.warnings, [""; 0]);
+}
+
+#[test]
+fn a_principled_that_is_given_a_strength_shines() {
+    let scene =
+        parse("[materials.a.principled]\nemissive_strength = 3\n[materials.b.principled]\nemissive = [0, 1, 0]\n");
+    let emissive: Vec<[f32; 3]> = scene.materials.iter().map(|it| it.principled.as_ref().unwrap().emissive).collect();
+    assert_eq!(emissive, [[3.0; 3], [0.0, 1.0, 0.0]]);
+}
+
+#[test]
+fn warnings_of_coverage_that_does_nothing() {
+    let scene = parse(
+        "[environment]\ncolor = [1, 1, 1]\n[materials.a.principled]\nalpha = 0.5\nalpha_cutoff = 0.5\n\
+         [materials.b.principled]\nalpha = 0.5\nalpha_cutoff = 0.5\nalpha_mode = \"blend\"\n",
+    );
+    let expected = [
+        "scene.toml:9:1: `alpha` in [materials.a.principled] does nothing without `alpha_mode = \"blend\"` or `\"mask\"`",
+        "scene.toml:10:1: `alpha_cutoff` in [materials.a.principled] does nothing without `alpha_mode = \"mask\"`",
+        "scene.toml:13:1: `alpha_cutoff` in [materials.b.principled] does nothing without `alpha_mode = \"mask\"`",
+    ];
+    assert_eq!(scene.warnings, expected);
 }
 
 const DARK: &str = "nothing in the scene shines, so the picture will be black: give [environment] \

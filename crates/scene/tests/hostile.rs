@@ -81,6 +81,14 @@ const TOKENS: &[&str] = &[
     "scale = ",
     "reflection = ",
     "priority = ",
+    "principled = ",
+    "file = ",
+    "time = ",
+    "base_color_texture = ",
+    "normal_map = ",
+    "wrap = ",
+    "{ image = \"a.png\" }",
+    "\"a.ply\"",
     "[0, 1, 2]",
     "[1, 1]",
     "[[1], 2, 3]",
@@ -266,7 +274,7 @@ proptest! {
 
 #[test]
 fn every_value_in_every_place() {
-    for at in 0..80 {
+    for at in 0..140 {
         for value in VALUES {
             read(&replace_value(EXAMPLE, at, value));
         }

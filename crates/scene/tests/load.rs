@@ -40,7 +40,7 @@ fn a_file_that_is_not_there() {
 #[test]
 fn a_folder() {
     let path = folder("folder");
-    assert_eq!(error(&path).message, "is a folder: give a `.toml` scene file");
+    assert_eq!(error(&path).message, "is a folder: give a `.toml` scene file or a model");
 }
 
 #[test]
@@ -65,12 +65,4 @@ fn bytes_that_are_not_utf8() {
     let error = error(&path);
     assert_eq!((error.line, error.column), (2, 5));
     assert_eq!(error.message, "the byte 0xfc is not valid UTF-8: save the file as UTF-8");
-}
-
-#[test]
-fn meshes() {
-    for name in ["bunny.ply", "helmet.GLB", "helmet.gltf", "/nowhere/teapot.obj"] {
-        let expected = format!("{name}: triangle meshes are not in this version of raggio: give a `.toml` scene");
-        assert_eq!(error(Path::new(name)).to_string(), expected);
-    }
 }

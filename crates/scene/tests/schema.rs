@@ -54,6 +54,33 @@ fn it_accepts_what_the_reader_accepts() {
     validator.validate(&json_of(&changed)).unwrap();
 }
 
+/// These name files, which a schema knows nothing of.
+#[test]
+fn it_accepts_what_names_files() {
+    let validator = jsonschema::validator_for(&schema()).unwrap();
+    for (from, to) in [
+        ("color = [0.7, 0.8, 1.0]", "image = \"sky.hdr\"\nrotation_degrees = -90\nintensity = 2"),
+        ("normal_scale = 2\n", "normal_map = \"a.png\"\n"),
+        ("normal_scale = 2\n", "normal_map = { image = \"a.png\", uv_set = 1, wrap = \"clamp_to_edge\" }\n"),
+        (
+            "normal_scale = 2\n",
+            "normal_map = { image = \"a.png\", offset = [0, 1], rotation_degrees = 90, scale = [2, -1], \
+             wrap = [\"repeat\", \"mirrored_repeat\"], filter = \"nearest\" }\n",
+        ),
+        ("sphere = { center = [0, 1, 0], radius = 1 }", "mesh = { file = \"a.ply\", scale = -1 }"),
+        (
+            "material = \"glass\"\nsphere = { center = [0, 1, 0], radius = 1 }",
+            "mesh = { file = \"a.glb\", translation = [1, 2, 3], rotation_degrees = [0, 90, 0], scale = [1, 2, 3], time = 0.5 }",
+        ),
+    ] {
+        let text = EXAMPLE.replacen(from, to, 1);
+        assert_ne!(text, EXAMPLE, "{from}");
+        validator.validate(&json_of(&text)).unwrap();
+        let error = raggio_scene::Scene::parse(&text, "scene.toml").unwrap_err();
+        assert!(error.message.ends_with(": there is no such file"), "{error}");
+    }
+}
+
 /// Each is one replacement in the example that the reader refuses too.
 const WRONG: &[(&str, &str)] = &[
     ("version = 1", "version = 2"),
@@ -79,6 +106,20 @@ const WRONG: &[(&str, &str)] = &[
     ("sphere = { center = [0, 1, 0], radius = 1 }", ""),
     ("size = [1, 2, 3]", "size = [1, 0, 3]"),
     ("[[shapes]]\nmaterial = \"glass\"", "[[shapes]]"),
+    ("ior = 1.4", "ior = 0.5"),
+    ("metallic = 0.25", "metallic = 1.25"),
+    ("alpha_mode = \"mask\"", "alpha_mode = \"cut\""),
+    ("roughness = 0.5", "rughness = 0.5"),
+    ("thin_walled = true", "thin_walled = 1"),
+    ("[materials.lacquer.principled]", "[materials.lacquer]\nsmoothness = 1\n[materials.lacquer.principled]"),
+    ("normal_scale = 2\n", "normal_map = 2\n"),
+    ("normal_scale = 2\n", "normal_map = { uv_set = 1 }\n"),
+    ("normal_scale = 2\n", "normal_map = { image = \"a.png\", uv_set = 2 }\n"),
+    ("normal_scale = 2\n", "normal_map = { image = \"a.png\", wrap = [\"repeat\"] }\n"),
+    ("color = [0.7, 0.8, 1.0]", "color = [1, 1, 1]\nintensity = 2"),
+    ("color = [0.7, 0.8, 1.0]", "color = [1, 1, 1]\nimage = \"a.hdr\""),
+    ("sphere = { center = [0, 1, 0], radius = 1 }", "mesh = {}"),
+    ("sphere = { center = [0, 1, 0], radius = 1 }", "mesh = { file = \"a.ply\", time = -1 }"),
     ("sphere = {", "plane = { point = [0, 0, 0], normal = [0, 1, 0] }\nsphere = {"),
 ];
 
@@ -109,7 +150,20 @@ fn every_key_is_in_it_with_a_description() {
                  aperture_radius focus_distance color horizon zenith image rotation_degrees \
                  intensity emission_color emission_strength smoothness refractive_index reflection \
                  priority material sphere plane rectangle box mesh center radius point normal \
-                 corner edge_u edge_v size file translation scale";
+                 corner edge_u edge_v size file translation scale time principled base_color \
+                 base_color_texture alpha alpha_mode alpha_cutoff metallic roughness \
+                 metallic_roughness_texture ior specular specular_texture specular_color \
+                 specular_color_texture transmission transmission_texture thin_walled \
+                 attenuation_color attenuation_distance dispersion diffuse_transmission \
+                 diffuse_transmission_texture diffuse_transmission_color \
+                 diffuse_transmission_color_texture clearcoat clearcoat_texture \
+                 clearcoat_roughness clearcoat_roughness_texture clearcoat_normal_map \
+                 clearcoat_normal_scale sheen_color sheen_color_texture sheen_roughness \
+                 sheen_roughness_texture anisotropy anisotropy_rotation anisotropy_texture \
+                 iridescence iridescence_texture iridescence_ior iridescence_thickness_minimum \
+                 iridescence_thickness_maximum iridescence_thickness_texture emissive \
+                 emissive_texture emissive_strength normal_map normal_scale uv_set offset wrap \
+                 filter";
     for key in words.split_whitespace() {
         assert!(keys.iter().any(|it| it == key), "{key}");
     }

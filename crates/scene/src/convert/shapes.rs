@@ -1,31 +1,42 @@
 //! Shapes: one geometry each, a material that exists, right angles where they are needed.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
 
-use super::{dvec3, vec3};
-use crate::fault::{Fault, Step, place, steps, subject};
+use super::{Builder, dvec3, vec3};
+use crate::fault::{Fault, Kind, Step, place, steps, subject};
 use crate::file::{BoxFile, Materials, PlaneFile, RectangleFile, ShapeFile, SphereFile};
 use crate::names;
 use crate::number::SMALLEST;
-use crate::scene::{Geometry, Shape};
+use crate::scene::{Entry, Geometry, Shape};
 
 /// Largest cosine of the angle between a rectangle's edges; files round their numbers.
 const PERPENDICULAR: f64 = 1e-4;
 
-/// `index` is the shape's place in the file, `indices` each material's by its name.
-pub(super) fn shape(
-    index: usize,
-    file: &ShapeFile,
-    indices: &HashMap<&str, usize>,
-    materials: &Materials,
-) -> Result<Shape, Fault> {
-    let material = indices.get(file.material.as_str()).copied();
-    let material = material.ok_or_else(|| unknown_material(index, &file.material, materials))?;
-    refuse_mesh(index, file)?;
-    refuse_two(index, file)?;
-    Ok(Shape { material, geometry: geometry(index, file)? })
+impl Builder<'_, '_> {
+    /// `index` is the shape's place in the file.
+    pub(super) fn add(&mut self, index: usize, file: &ShapeFile, materials: &Materials) -> Result<(), Fault> {
+        let named = |name: &String| {
+            let material = self.indices.get(name.as_str()).copied();
+            material.ok_or_else(|| unknown_material(index, name, materials))
+        };
+        let material = file.material.as_ref().map(named).transpose()?;
+        refuse_two(index, file)?;
+        let first = self.scene.shapes.len();
+        let placement = match &file.mesh {
+            Some(mesh) => Some(self.add_model(index, mesh, material)?),
+            None => self.add_other(index, file, material).map(|()| None)?,
+        };
+        self.scene.entries.push(Entry { shapes: first..self.scene.shapes.len(), material, placement });
+        Ok(())
+    }
+
+    fn add_other(&mut self, index: usize, file: &ShapeFile, material: Option<usize>) -> Result<(), Fault> {
+        let missing = || Fault::new(Kind::MissingKey("material")).inside(index.into()).inside("shapes".into());
+        let material = material.ok_or_else(missing)?;
+        let geometry = geometry(index, file)?;
+        self.scene.shapes.push(Shape { entry: index, material, geometry });
+        Ok(())
+    }
 }
 
 fn unknown_material(index: usize, name: &str, materials: &Materials) -> Fault {
@@ -39,21 +50,13 @@ fn unknown_material(index: usize, name: &str, materials: &Materials) -> Fault {
     Fault::value(steps!["shapes", index, "material"], message)
 }
 
-fn refuse_mesh(index: usize, file: &ShapeFile) -> Result<(), Fault> {
-    if file.mesh.is_none() {
-        return Ok(());
-    }
-    let message = "triangle meshes are not in this version of raggio: use `sphere`, `plane`, \
-                   `rectangle` or `box`";
-    Err(Fault::key(steps!["shapes", index, "mesh"], message))
-}
-
 fn refuse_two(index: usize, file: &ShapeFile) -> Result<(), Fault> {
     let given = [
         ("sphere", file.sphere.is_some()),
         ("plane", file.plane.is_some()),
         ("rectangle", file.rectangle.is_some()),
         ("box", file.cuboid.is_some()),
+        ("mesh", file.mesh.is_some()),
     ];
     let mut given = given.iter().filter(|(_, is_given)| *is_given).map(|(key, _)| *key);
     let (Some(first), Some(second)) = (given.next(), given.next()) else {
@@ -74,7 +77,8 @@ fn geometry(index: usize, file: &ShapeFile) -> Result<Geometry, Fault> {
     } else if let Some(cuboid) = &file.cuboid {
         Ok(self::cuboid(cuboid))
     } else {
-        let message = format!("shape {} has no geometry: give it `sphere`, `plane`, `rectangle` or `box`", index + 1);
+        let message =
+            format!("shape {} has no geometry: give it `sphere`, `plane`, `rectangle`, `box` or `mesh`", index + 1);
         Err(Fault::value(steps!["shapes", index], message))
     }
 }

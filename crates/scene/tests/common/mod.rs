@@ -33,6 +33,38 @@ refractive_index = 1.5       # absent: opaque
 reflection = "fresnel"       # or a probability
 priority = 0
 [materials."matt white"]
+[materials.lacquer.principled]
+base_color = [0.8, 0.1, 0.1]
+alpha = 0.5
+alpha_mode = "mask"
+alpha_cutoff = 0.25
+metallic = 0.25
+roughness = 0.5
+ior = 1.4
+specular = 0.5
+specular_color = [1, 0.9, 0.8]
+transmission = 0.25
+thin_walled = true
+attenuation_color = [0.9, 0.8, 0.7]
+attenuation_distance = 2
+dispersion = 0.4
+priority = 3
+diffuse_transmission = 0.125
+diffuse_transmission_color = [0.5, 0.6, 0.7]
+clearcoat = 1
+clearcoat_roughness = 0.1
+clearcoat_normal_scale = 0.5
+sheen_color = [0.1, 0.2, 0.3]
+sheen_roughness = 0.3
+anisotropy = 0.6
+anisotropy_rotation = 90
+iridescence = 0.7
+iridescence_ior = 1.8
+iridescence_thickness_minimum = 200
+iridescence_thickness_maximum = 500
+emissive = [0, 0.5, 1]
+emissive_strength = 2
+normal_scale = 2
 [[shapes]]
 material = "glass"
 sphere = { center = [0, 1, 0], radius = 1 }
@@ -57,17 +89,21 @@ pub fn reference_scene(name: &str) -> PathBuf {
 pub fn check_invariants(scene: &Scene) {
     check_settings(scene);
     check_camera(scene);
-    match scene.environment {
-        Environment::Constant(color) => check_light(color),
+    match &scene.environment {
+        Environment::Constant(color) => check_light(*color),
         Environment::Gradient { horizon, zenith } => {
-            check_light(horizon);
-            check_light(zenith);
+            check_light(*horizon);
+            check_light(*zenith);
+        }
+        Environment::Image { rotation_degrees, intensity, .. } => {
+            assert!(rotation_degrees.is_finite());
+            check_light(Vec3::splat(*intensity));
         }
     }
     check_materials(scene);
     for shape in &scene.shapes {
         assert!(shape.material < scene.materials.len(), "{shape:?}");
-        check_geometry(&shape.geometry);
+        check_geometry(&shape.geometry, scene.materials.len());
     }
     assert!(scene.warnings.len() <= 101);
 }
@@ -100,6 +136,11 @@ fn check_light(color: Vec3) {
 fn check_materials(scene: &Scene) {
     let fraction = 0.0..=1.0;
     for material in &scene.materials {
+        if let Some(principled) = &material.principled {
+            check_light(principled.emissive.into());
+            assert!(principled.alpha >= 0.0 && principled.roughness <= 1.0, "{material:?}");
+            assert!(principled.ior >= 1.0 && principled.attenuation_distance > 0.0, "{material:?}");
+        }
         check_light(material.color);
         check_light(material.emission_color * material.emission_strength);
         assert!(material.color.max_element() <= 1.0, "{material:?}");
@@ -112,7 +153,7 @@ fn check_materials(scene: &Scene) {
     }
 }
 
-fn check_geometry(geometry: &Geometry) {
+fn check_geometry(geometry: &Geometry, materials: usize) {
     match *geometry {
         Geometry::Sphere { center, radius } => {
             assert!(center.is_finite() && radius.is_normal() && radius > 0.0);
@@ -129,6 +170,14 @@ fn check_geometry(geometry: &Geometry) {
         Geometry::Box { center, size, rotation_degrees } => {
             assert!(center.is_finite() && rotation_degrees.is_finite(), "{geometry:?}");
             assert!(size.is_finite() && size.min_element() > 0.0, "{geometry:?}");
+        }
+        Geometry::Mesh { ref mesh, world_from_mesh, first_material } => {
+            assert!(!mesh.triangles.is_empty() && world_from_mesh.inverse().is_finite(), "{world_from_mesh}");
+            assert!(mesh.positions.iter().flatten().all(|x| x.is_finite()));
+            for part in mesh.parts.iter().filter(|_| first_material.is_some()) {
+                let material = first_material.unwrap_or(0) + part.material.unwrap_or(0);
+                assert!(material < materials, "{part:?}");
+            }
         }
     }
 }

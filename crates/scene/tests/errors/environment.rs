@@ -13,7 +13,7 @@ look_at = [0, 1, 0]
 vertical_fov_degrees = 40
 [environment]
 ",
-        "scene.toml:6:1: [environment] is empty: give it `color`, or `horizon` and `zenith`",
+        "scene.toml:6:1: [environment] is empty: give it `color`, or `horizon` and `zenith`, or `image`",
     ),
     (
         "color and horizon",
@@ -99,7 +99,7 @@ vertical_fov_degrees = 40
 [environment]
 image = "sky.hdr"
 "#,
-        "scene.toml:7:1: environment images are not in this version of raggio: use `color` or `horizon` and `zenith`",
+        "scene.toml:7:9: sky.hdr: there is no such file",
     ),
     (
         "image beside a color",
@@ -113,7 +113,7 @@ color = [1, 1, 1]
 image = "sky.hdr"
 rotation_degrees = 90
 "#,
-        "scene.toml:8:1: environment images are not in this version of raggio: use `color` or `horizon` and `zenith`",
+        "scene.toml:7:1: `color` in [environment] cannot stand beside `image`: keep one or the other",
     ),
     (
         "rotation alone",
@@ -125,7 +125,7 @@ vertical_fov_degrees = 40
 [environment]
 rotation_degrees = 90
 ",
-        "scene.toml:7:1: environment images are not in this version of raggio: use `color` or `horizon` and `zenith`",
+        "scene.toml:7:1: `rotation_degrees` in [environment] needs `image` beside it",
     ),
     (
         "intensity alone",
@@ -137,7 +137,7 @@ vertical_fov_degrees = 40
 [environment]
 intensity = 2
 ",
-        "scene.toml:7:1: environment images are not in this version of raggio: use `color` or `horizon` and `zenith`",
+        "scene.toml:7:1: `intensity` in [environment] needs `image` beside it",
     ),
     (
         "image that is not a path",
@@ -150,5 +150,18 @@ vertical_fov_degrees = 40
 image = 3
 ",
         "scene.toml:7:9: `image` in [environment] must be a string, not `3`",
+    ),
+    (
+        "image of negative intensity",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[environment]
+image = "sky.hdr"
+intensity = -1
+"#,
+        "scene.toml:8:13: `intensity` in [environment] must be 0 or more, not `-1`",
     ),
 ];

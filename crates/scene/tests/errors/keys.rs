@@ -129,6 +129,6 @@ vertical_fov_degrees = 40
 [materials."two words"]
 shine = 1
 "#,
-        r#"scene.toml:7:1: unknown key `shine` in [materials."two words"]: choose from `color`, `emission_color`, `emission_strength`, `smoothness`, `refractive_index`, `reflection` and `priority`"#,
+        r#"scene.toml:7:1: unknown key `shine` in [materials."two words"]: choose from `color`, `emission_color`, `emission_strength`, `smoothness`, `refractive_index`, `reflection`, `priority` and `principled`"#,
     ),
 ];

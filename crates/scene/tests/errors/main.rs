@@ -4,6 +4,8 @@ mod camera;
 mod environment;
 mod keys;
 mod materials;
+mod meshes;
+mod principled;
 mod render;
 mod shapes;
 mod syntax;
@@ -38,4 +40,4 @@ macro_rules! tables {
 }
 
 // The tests have the names of the tables' modules, which live in another namespace.
-tables! { syntax keys types render camera environment materials shapes }
+tables! { syntax keys types render camera environment materials principled shapes meshes }

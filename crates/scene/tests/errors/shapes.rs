@@ -94,7 +94,7 @@ vertical_fov_degrees = 40
 [[shapes]]
 material = "red"
 "#,
-        "scene.toml:7:1: shape 1 has no geometry: give it `sphere`, `plane`, `rectangle` or `box`",
+        "scene.toml:7:1: shape 1 has no geometry: give it `sphere`, `plane`, `rectangle`, `box` or `mesh`",
     ),
     (
         "two geometries",
@@ -337,33 +337,5 @@ material = "red"
 box = { center = [0, 0, 0], size = [1, 1, 1], rotation_degrees = [nan, 0, 0] }
 "#,
         "scene.toml:9:67: component 1 of `rotation_degrees` in `box` of shape 1 must be a finite number, not `nan`",
-    ),
-    (
-        "mesh",
-        r#"version = 1
-[camera]
-position = [0, 1, 4]
-look_at = [0, 1, 0]
-vertical_fov_degrees = 40
-[materials.red]
-[[shapes]]
-material = "red"
-mesh = { file = "bunny.ply", scale = [1, 2, 1] }
-"#,
-        "scene.toml:9:1: triangle meshes are not in this version of raggio: use `sphere`, `plane`, `rectangle` or `box`",
-    ),
-    (
-        "mesh without file",
-        r#"version = 1
-[camera]
-position = [0, 1, 4]
-look_at = [0, 1, 0]
-vertical_fov_degrees = 40
-[materials.red]
-[[shapes]]
-material = "red"
-mesh = { scale = 2 }
-"#,
-        "scene.toml:9:8: `file` is missing in `mesh` of shape 1",
     ),
 ];

@@ -1,0 +1,125 @@
+//! Models and images that scenes name, read once.
+
+mod cache;
+mod imported;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use raggio_images::{Bitmap, Limits};
+use raggio_models::{LoadOptions, Place};
+
+use crate::names;
+use cache::{Cache, Key};
+
+pub(crate) use imported::{Bounds, Imported, can_be_undone};
+
+/// How models are read.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AssetOptions {
+    /// Whether a model may name files outside its own folder. What a scene file names is its writer's choice, and may
+    /// lie anywhere; a model comes from somebody else.
+    pub allow_outside: bool,
+    /// The moment of all animations, in place of what the scene file says.
+    pub time_seconds: Option<f64>,
+    /// Width and height, in pixels, of the pictures of models that are shown without a scene file.
+    pub picture: Option<[u32; 2]>,
+}
+
+/// Models and images, kept from one reading of a scene to the next.
+///
+/// A scene that is read again, because its text was edited, finds here what it named before, and no file is touched. What
+/// it no longer names is forgotten. What has changed on disk is read again after [`Assets::refresh`].
+#[derive(Debug, Default)]
+pub struct Assets {
+    options: AssetOptions,
+    models: Cache<Imported>,
+    images: Cache<Bitmap>,
+    /// Whether files have changed that no scene was made of since.
+    is_stale: bool,
+}
+
+impl Assets {
+    /// Without any file yet.
+    pub fn new(options: AssetOptions) -> Self {
+        Self { options, ..Self::default() }
+    }
+
+    /// What was asked for.
+    pub fn options(&self) -> AssetOptions {
+        self.options
+    }
+
+    /// The files that the last scene was made of, by their canonical paths and in no order; not what models name in turn.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.models.files().chain(self.images.files())
+    }
+
+    /// Forgets every file that is not what it was when it was read. Whether there was one, now or since a scene was last
+    /// read without an error.
+    pub fn refresh(&mut self) -> bool {
+        self.is_stale |= self.models.refresh();
+        self.is_stale |= self.images.refresh();
+        self.is_stale
+    }
+
+    /// A scene has been made: forgets what it did not ask for.
+    pub(crate) fn sweep(&mut self) {
+        self.is_stale = false;
+        self.models.sweep();
+        self.images.sweep();
+    }
+
+    /// The model at `path`, at the moment of `time_seconds` unless the options say another.
+    pub(crate) fn model(&mut self, path: PathBuf, time_seconds: Option<f64>) -> Result<Arc<Imported>, Trouble> {
+        if !is_model(&path) {
+            return Err(Trouble::whole("is not a model: give a .gltf, .glb, .ply, .obj or .stl file"));
+        }
+        let AssetOptions { allow_outside, time_seconds: overriding, .. } = self.options;
+        let time_seconds = overriding.or(time_seconds).filter(|_| is_animated(&path));
+        let options = LoadOptions { time_seconds, allow_outside, ..LoadOptions::default() };
+        self.models.get_or_read(Key::new(path, time_seconds), |path| {
+            let model = raggio_models::load(path, &options);
+            let model =
+                model.map_err(|error| Trouble { place: error.place, message: names::escaped(&error.message) })?;
+            Ok(Imported::new(model))
+        })
+    }
+
+    /// The image at `path`.
+    pub(crate) fn image(&mut self, path: PathBuf) -> Result<Arc<Bitmap>, Trouble> {
+        self.images.get_or_read(Key::new(path, None), |path| {
+            let image = raggio_images::load(path, &Limits::default());
+            image.map_err(|error| Trouble::whole(names::escaped(&error.problem.to_string())))
+        })
+    }
+}
+
+/// What is wrong with a file; shown right after the file's name.
+#[derive(Debug, thiserror::Error)]
+#[error("{place}: {message}")]
+pub(crate) struct Trouble {
+    pub place: Place,
+    pub message: String,
+}
+
+impl Trouble {
+    fn whole(message: impl Into<String>) -> Self {
+        Self { place: Place::Whole, message: message.into() }
+    }
+}
+
+/// Whether the file is a model rather than a scene, by its extension.
+pub fn is_model(path: &Path) -> bool {
+    has_extension(path, &["gltf", "glb", "ply", "obj", "stl"])
+}
+
+/// Other formats are the same at every time.
+fn is_animated(path: &Path) -> bool {
+    has_extension(path, &["gltf", "glb"])
+}
+
+fn has_extension(path: &Path, extensions: &[&str]) -> bool {
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    extensions.iter().any(|known| extension == *known)
+}

@@ -1,0 +1,122 @@
+//! Files that have been read, and whether they are still what they were.
+
+use std::collections::{HashMap, HashSet};
+use std::fs::{self, Metadata};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::SystemTime;
+
+use super::Trouble;
+use crate::names;
+
+/// A file, and the moment at which it is looked at.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Key {
+    path: PathBuf,
+    time_bits: Option<u64>,
+}
+
+impl Key {
+    pub(super) fn new(path: PathBuf, time_seconds: Option<f64>) -> Self {
+        Self { path, time_bits: time_seconds.map(f64::to_bits) }
+    }
+}
+
+/// What tells one state of a file from another.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Stamp {
+    modified: Option<SystemTime>,
+    length: u64,
+}
+
+impl From<Metadata> for Stamp {
+    fn from(metadata: Metadata) -> Self {
+        Self { modified: metadata.modified().ok(), length: metadata.len() }
+    }
+}
+
+#[derive(Debug)]
+struct Entry<T> {
+    value: Arc<T>,
+    stamp: Stamp,
+}
+
+/// What files hold, by their canonical paths.
+#[derive(Debug)]
+pub(super) struct Cache<T> {
+    entries: HashMap<Key, Entry<T>>,
+    /// The entry of each path that has been asked for, so that asking again does not touch the disk.
+    canonical: HashMap<Key, Key>,
+    /// The paths asked for since the last sweep.
+    used: HashSet<Key>,
+}
+
+impl<T> Default for Cache<T> {
+    fn default() -> Self {
+        Self { entries: HashMap::new(), canonical: HashMap::new(), used: HashSet::new() }
+    }
+}
+
+impl<T> Cache<T> {
+    /// What is kept of the file, or what `read` makes of it.
+    pub(super) fn get_or_read(
+        &mut self,
+        key: Key,
+        read: impl FnOnce(&Path) -> Result<T, Trouble>,
+    ) -> Result<Arc<T>, Trouble> {
+        let canonical = match self.canonical.get(&key) {
+            Some(canonical) => canonical.clone(),
+            None => {
+                let path = fs::canonicalize(&key.path).map_err(|error| cannot_be_read(&error))?;
+                Key { path, ..key }
+            }
+        };
+        let value = match self.entries.get(&canonical) {
+            Some(entry) => entry.value.clone(),
+            None => {
+                let stamp = stamp(&canonical.path)?;
+                let value = Arc::new(read(&key.path)?);
+                self.entries.insert(canonical.clone(), Entry { value: value.clone(), stamp });
+                value
+            }
+        };
+        self.used.insert(key.clone());
+        self.canonical.insert(key, canonical);
+        Ok(value)
+    }
+
+    pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.entries.keys().map(|key| key.path.as_path())
+    }
+
+    /// Forgets the files that have changed. Whether there was one.
+    pub(super) fn refresh(&mut self) -> bool {
+        let before = self.entries.len();
+        self.entries.retain(|key, entry| stamp(&key.path).is_ok_and(|now| now == entry.stamp));
+        // A link may lead elsewhere now.
+        self.canonical.clear();
+        self.entries.len() < before
+    }
+
+    /// Forgets what has not been asked for since the last sweep.
+    pub(super) fn sweep(&mut self) {
+        let used = std::mem::take(&mut self.used);
+        self.canonical.retain(|key, _| used.contains(key));
+        let named: HashSet<&Key> = self.canonical.values().collect();
+        self.entries.retain(|key, _| named.contains(key));
+    }
+}
+
+/// Pipes and devices are refused, because reading them may never end.
+fn stamp(path: &Path) -> Result<Stamp, Trouble> {
+    let metadata = fs::metadata(path).map_err(|error| cannot_be_read(&error))?;
+    if metadata.is_file() { Ok(metadata.into()) } else { Err(Trouble::whole("is not a file")) }
+}
+
+fn cannot_be_read(error: &io::Error) -> Trouble {
+    match error.kind() {
+        io::ErrorKind::NotFound => Trouble::whole("there is no such file"),
+        _ => Trouble::whole(format!("cannot be read: {}", names::escaped(&error.to_string()))),
+    }
+}

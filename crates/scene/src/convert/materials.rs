@@ -1,0 +1,112 @@
+//! Materials: the keys of the notes, or the principled material.
+
+use glam::Vec3;
+
+use super::principled::principled;
+use super::{Files, vec3};
+use crate::fault::{Fault, steps};
+use crate::file::{MaterialFile, Materials, PrincipledFile, ReflectionFile};
+use crate::names;
+use crate::number::BRIGHTEST;
+use crate::scene::{Material, Reflection};
+
+/// In the order of the file.
+pub(super) fn materials(
+    file: &Materials,
+    files: &mut Files<'_>,
+    warnings: &mut Vec<Fault>,
+) -> Result<Vec<Material>, Fault> {
+    let mut materials = Vec::with_capacity(file.0.len());
+    for (name, material) in &file.0 {
+        materials.push(match &material.principled {
+            Some(principled) => of_principled(name, material, principled, files, warnings)?,
+            None => {
+                warn_of_opaque(name, material, warnings);
+                refuse_too_bright(name, material)?;
+                self::material(name, material)
+            }
+        });
+    }
+    Ok(materials)
+}
+
+fn of_principled(
+    name: &str,
+    material: &MaterialFile,
+    file: &PrincipledFile,
+    files: &mut Files<'_>,
+    warnings: &mut Vec<Fault>,
+) -> Result<Material, Fault> {
+    refuse_beside_principled(name, material)?;
+    let surface = principled(name, file, files, warnings)?;
+    Ok(Material { name: name.to_string(), principled: Some(surface.into()), ..Material::default() })
+}
+
+fn refuse_beside_principled(name: &str, file: &MaterialFile) -> Result<(), Fault> {
+    let given = [
+        ("color", "base_color", file.color.is_some()),
+        ("emission_color", "emissive", file.emission_color.is_some()),
+        ("emission_strength", "emissive_strength", file.emission_strength.is_some()),
+        ("smoothness", "roughness", file.smoothness.is_some()),
+        ("refractive_index", "ior", file.refractive_index.is_some()),
+        ("reflection", "ior", file.reflection.is_some()),
+        ("priority", "priority", file.priority.is_some()),
+    ];
+    let Some((key, inside, _)) = given.into_iter().find(|(.., is_given)| *is_given) else {
+        return Ok(());
+    };
+    let table = names::key(name);
+    let message = format!(
+        "`{key}` in [materials.{table}] cannot stand beside `principled`: keep one or the other, or write `{inside}` \
+         inside `principled`"
+    );
+    Err(Fault::key(steps!["materials", name, key], message))
+}
+
+fn strength(file: &MaterialFile) -> f64 {
+    file.emission_strength.map_or(0.0, f64::from)
+}
+
+fn refuse_too_bright(name: &str, file: &MaterialFile) -> Result<(), Fault> {
+    let color = file.emission_color.map_or([1.0; 3], |color| color.map(f64::from));
+    if color.into_iter().fold(0.0, f64::max) * strength(file) <= BRIGHTEST {
+        return Ok(());
+    }
+    let table = names::key(name);
+    let message = format!("`emission_strength` times `emission_color` in [materials.{table}] must be at most 1e9");
+    Err(Fault::value(steps!["materials", name, "emission_strength"], message))
+}
+
+/// What only a dielectric has, given to an opaque material.
+fn warn_of_opaque(name: &str, file: &MaterialFile, warnings: &mut Vec<Fault>) {
+    if file.refractive_index.is_some() {
+        return;
+    }
+    let given = [("reflection", file.reflection.is_some()), ("priority", file.priority.is_some())];
+    for (key, _) in given.into_iter().filter(|(_, is_given)| *is_given) {
+        let table = names::key(name);
+        let message = format!("`{key}` in [materials.{table}] does nothing without `refractive_index`");
+        warnings.push(Fault::key(steps!["materials", name, key], message));
+    }
+}
+
+fn material(name: &str, file: &MaterialFile) -> Material {
+    let strength = strength(file);
+    // A lamp is black unless told otherwise: its own light is what one wants to see of it.
+    let default_color = if strength > 0.0 { 0.0 } else { 0.8 };
+    Material {
+        name: name.to_string(),
+        color: file.color.map_or(Vec3::splat(default_color), vec3),
+        emission_color: file.emission_color.map_or(Vec3::ONE, vec3),
+        emission_strength: strength as f32,
+        smoothness: file.smoothness.map_or(0.0, |smoothness| smoothness.0 as f32),
+        refractive_index: file.refractive_index.map(|index| index.0 as f32),
+        reflection: match file.reflection {
+            None | Some(ReflectionFile::Named(_)) => Reflection::Fresnel,
+            Some(ReflectionFile::Probability(p)) => Reflection::Probability(p.0 as f32),
+        },
+        priority: file.priority.map_or(0, |priority| priority.0 as i32),
+        principled: None,
+        imported: false,
+    }
+}

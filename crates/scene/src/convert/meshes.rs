@@ -1,0 +1,158 @@
+//! Models: each of their instances becomes a shape, and what else they bring is taken along.
+
+use std::collections::hash_map::Entry;
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat3, DVec3};
+use raggio_images::Bitmap;
+use raggio_models::{Light, LightKind, Principled};
+
+use super::{Builder, Files, dvec3, vec3};
+use crate::assets::{Bounds, Imported, can_be_undone};
+use crate::fault::{Fault, Step, steps};
+use crate::file::{MeshFile, ScaleFile};
+use crate::names;
+use crate::number::{LARGEST, SMALLEST};
+use crate::scene::{Geometry, Material, Placement, Shape, rotation};
+
+impl Files<'_> {
+    /// Absolute paths are what they are, others are relative to the scene's folder.
+    pub(super) fn image(&mut self, name: &str, at: Vec<Step>) -> Result<Arc<Bitmap>, Fault> {
+        let image = self.assets.image(self.folder.join(name));
+        image.map_err(|trouble| Fault::value(at, format!("{}{trouble}", names::printable(name))))
+    }
+
+    fn model(&mut self, mesh: &MeshFile, at: Vec<Step>) -> Result<Arc<Imported>, Fault> {
+        let time_seconds = mesh.time.map(f64::from);
+        let model = self.assets.model(self.folder.join(&mesh.file), time_seconds);
+        model.map_err(|trouble| Fault::value(at, format!("{}{trouble}", names::printable(&mesh.file))))
+    }
+}
+
+impl Builder<'_, '_> {
+    /// `index` is the place of the shape in the file; `material`, if there is one, covers all of the model.
+    pub(super) fn add_model(
+        &mut self,
+        index: usize,
+        mesh: &MeshFile,
+        material: Option<usize>,
+    ) -> Result<Placement, Fault> {
+        let file = steps!["shapes", index, "mesh", "file"];
+        let placement = placement(index, mesh)?;
+        let world_from_model = world_from_model(mesh, &placement);
+        let model = self.files.model(mesh, file.clone())?;
+        if let Entry::Vacant(unknown) = self.first_materials.entry(Arc::as_ptr(&model)) {
+            unknown.insert(None);
+            let name = names::printable(&mesh.file);
+            let warn = |warning: &String| Fault::value(file.clone(), names::escaped(&format!("{name}: {warning}")));
+            self.warnings.extend(model.warnings.iter().map(warn));
+        }
+        let (material, first_material) = match material {
+            Some(material) => (material, None),
+            None => self.own_materials(index, mesh, &model)?,
+        };
+        let mut bounds = Bounds::EMPTY;
+        self.scene.shapes.reserve(model.instances.len());
+        for instance in &model.instances {
+            let world_from_mesh = world_from_model * instance.model_from_mesh;
+            if !can_be_undone(&world_from_mesh) {
+                return Err(Fault::value(file, beyond(mesh)));
+            }
+            bounds = bounds.united(model.bounds_of(instance, &world_from_mesh));
+            let geometry =
+                Geometry::Mesh { mesh: model.meshes[instance.mesh].clone(), world_from_mesh, first_material };
+            self.scene.shapes.push(Shape { entry: index, material, geometry });
+        }
+        if !model.instances.is_empty() && bounds.reach() > LARGEST {
+            return Err(Fault::value(file, beyond(mesh)));
+        }
+        self.scene.lights.extend(model.lights.iter().map(|light| placed(light, &world_from_model)));
+        Ok(placement)
+    }
+
+    /// The material of parts without one, and where the others begin. A model's are added when it is met first.
+    fn own_materials(
+        &mut self,
+        index: usize,
+        mesh: &MeshFile,
+        model: &Arc<Imported>,
+    ) -> Result<(usize, Option<usize>), Fault> {
+        if model.materials.is_empty() {
+            let file = names::quoted(&mesh.file);
+            let message = format!("`material` is missing in shape {}: {file} has no materials of its own", index + 1);
+            return Err(Fault::value(steps!["shapes", index], message));
+        }
+        let materials = &mut self.scene.materials;
+        let first = *self.first_materials.entry(Arc::as_ptr(model)).or_default().get_or_insert_with(|| {
+            let first = materials.len();
+            materials.extend(imported(&mesh.file, model));
+            first
+        });
+        let bare = if model.has_bare_parts { first + model.materials.len() } else { first };
+        Ok((bare, Some(first)))
+    }
+}
+
+/// The model's materials, and one for parts that have none.
+fn imported<'a>(file: &'a str, model: &'a Imported) -> impl Iterator<Item = Material> + 'a {
+    let material = move |name: &str, surface: &Arc<Principled>| Material {
+        name: format!("{file}/{name}"),
+        principled: Some(surface.clone()),
+        imported: true,
+        ..Material::default()
+    };
+    let grey = Principled { base_color: [0.8; 3], ..Principled::default() };
+    let bare = model.has_bare_parts.then(|| material("default", &Arc::new(grey)));
+    let named = model.materials.iter().enumerate();
+    let named = named.map(move |(place, (name, surface))| match name.as_str() {
+        "" => material(&place.to_string(), surface),
+        name => material(name, surface),
+    });
+    named.chain(bare)
+}
+
+/// In 64 bits, as the file has it: T + R S p.
+fn world_from_model(mesh: &MeshFile, placement: &Placement) -> DAffine3 {
+    let matrix3 = rotation(placement.rotation_degrees) * DMat3::from_diagonal(scale(mesh));
+    DAffine3 { matrix3, translation: dvec3(mesh.translation) }
+}
+
+fn scale(mesh: &MeshFile) -> DVec3 {
+    match mesh.scale {
+        None => DVec3::ONE,
+        Some(ScaleFile::Uniform(scale)) => DVec3::splat(scale.0),
+        Some(ScaleFile::PerAxis(scale)) => dvec3(scale),
+    }
+}
+
+fn placement(index: usize, mesh: &MeshFile) -> Result<Placement, Fault> {
+    let scale = scale(mesh);
+    if scale.abs().min_element() < SMALLEST {
+        let message = format!("`scale` in `mesh` of shape {} must not be 0: nothing would be left", index + 1);
+        return Err(Fault::value(steps!["shapes", index, "mesh", "scale"], message));
+    }
+    Ok(Placement {
+        file: mesh.file.clone(),
+        translation: vec3(mesh.translation),
+        rotation_degrees: vec3(mesh.rotation_degrees),
+        scale: scale.as_vec3(),
+    })
+}
+
+fn beyond(mesh: &MeshFile) -> String {
+    let file = names::printable(&mesh.file);
+    format!("{file}: as it is placed here, it is too large or too small: keep all of it within 1e15 of the origin")
+}
+
+/// The lights of a model are scaled with it: lengths are multiplied by s, so that intensity has to be by s squared for
+/// everything to be lit as before.
+fn placed(light: &Light, world_from_model: &DAffine3) -> Light {
+    let area = world_from_model.matrix3.determinant().abs().powf(2.0 / 3.0);
+    let gain = if light.kind == LightKind::Directional { 1.0 } else { area };
+    Light {
+        intensity: light.intensity.map(|component| (f64::from(component) * gain).min(f64::from(f32::MAX)) as f32),
+        position: world_from_model.transform_point3(light.position),
+        direction: world_from_model.transform_vector3(light.direction).normalize_or(light.direction),
+        ..light.clone()
+    }
+}

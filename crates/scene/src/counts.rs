@@ -1,0 +1,67 @@
+//! How much there is in a scene.
+
+use std::collections::HashSet;
+use std::ptr::from_ref;
+
+use raggio_models::{Principled, Texture};
+
+use crate::scene::{Environment, Geometry, Scene};
+
+/// How much there is in a scene; what is shared counts once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Of all meshes.
+    pub triangles: usize,
+    /// However often they are seen.
+    pub meshes: usize,
+    /// Shapes that show a mesh.
+    pub instances: usize,
+    /// Images of materials and of the environment.
+    pub textures: usize,
+}
+
+impl Scene {
+    /// Counts what takes memory.
+    pub fn counts(&self) -> Counts {
+        let mut counts = Counts::default();
+        let mut meshes = HashSet::new();
+        for shape in &self.shapes {
+            let Geometry::Mesh { mesh, .. } = &shape.geometry else { continue };
+            counts.instances += 1;
+            if meshes.insert(from_ref(mesh.as_ref())) {
+                counts.triangles += mesh.triangles.len();
+            }
+        }
+        let surfaces = self.materials.iter().filter_map(|material| material.principled.as_deref());
+        let textures = surfaces.flat_map(textures).map(|texture| from_ref(texture.image.as_ref()));
+        let sky = match &self.environment {
+            Environment::Image { image, .. } => Some(from_ref(image.as_ref())),
+            _ => None,
+        };
+        let images: HashSet<_> = textures.chain(sky).collect();
+        Counts { meshes: meshes.len(), textures: images.len(), ..counts }
+    }
+}
+
+fn textures(surface: &Principled) -> impl Iterator<Item = &Texture> {
+    let textures = [
+        &surface.base_color_texture,
+        &surface.metallic_roughness_texture,
+        &surface.normal_texture,
+        &surface.emissive_texture,
+        &surface.specular_texture,
+        &surface.specular_color_texture,
+        &surface.transmission_texture,
+        &surface.diffuse_transmission_texture,
+        &surface.diffuse_transmission_color_texture,
+        &surface.clearcoat_texture,
+        &surface.clearcoat_roughness_texture,
+        &surface.clearcoat_normal_texture,
+        &surface.sheen_color_texture,
+        &surface.sheen_roughness_texture,
+        &surface.anisotropy_texture,
+        &surface.iridescence_texture,
+        &surface.iridescence_thickness_texture,
+    ];
+    textures.into_iter().flatten()
+}

@@ -1,0 +1,248 @@
+//! The principled material and its textures, by glTF's names.
+
+use std::borrow::Cow;
+use std::fmt;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+
+use super::{Priority, Radiance};
+use crate::number::{Brightness, Coordinate, Fraction, Ior, NonNegative, Positive, Whole};
+
+/// A physically based material with the meaning that glTF 2.0 and its KHR_materials extensions give to each name.
+/// A texture multiplies the factor whose name it bears; where a texture is given, the default of that factor is 1.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Principled")]
+pub(crate) struct PrincipledFile {
+    /// Reflected colour of the diffuse part, or of a metal seen from the front. Default [1, 1, 1].
+    pub base_color: Option<[Fraction; 3]>,
+    /// Red, green and blue (sRGB) times `base_color`, alpha times `alpha`.
+    pub base_color_texture: Option<TextureFile>,
+    /// Coverage, which `alpha_mode` puts to use. Default 1.
+    pub alpha: Option<Fraction>,
+    /// What coverage does: "opaque" (default) nothing, "mask" cuts away what is below `alpha_cutoff`, "blend" lets part of the light pass.
+    pub alpha_mode: Option<AlphaModeFile>,
+    /// Below this coverage there is no surface; needs `alpha_mode = "mask"`. Default 0.5.
+    pub alpha_cutoff: Option<Fraction>,
+    /// From 0, a dielectric, to 1, a metal. Default 0.
+    pub metallic: Option<Fraction>,
+    /// From 0, smooth, to 1. Default 1.
+    pub roughness: Option<Fraction>,
+    /// Green times `roughness`, blue times `metallic`.
+    pub metallic_roughness_texture: Option<TextureFile>,
+    /// Refractive index. Default 1.5.
+    pub ior: Option<Ior>,
+    /// Strength of a dielectric's specular reflection. Default 1.
+    pub specular: Option<Fraction>,
+    /// Alpha times `specular`.
+    pub specular_texture: Option<TextureFile>,
+    /// Colour of a dielectric's specular reflection seen from the front. Default [1, 1, 1].
+    pub specular_color: Option<Radiance>,
+    /// Red, green and blue (sRGB) times `specular_color`.
+    pub specular_color_texture: Option<TextureFile>,
+    /// Part of the light that is refracted into the body instead of scattered diffusely. Default 0.
+    pub transmission: Option<Fraction>,
+    /// Red times `transmission`.
+    pub transmission_texture: Option<TextureFile>,
+    /// Whether the surface is an infinitely thin sheet: what is transmitted is not bent, and there is no inside. Default false.
+    pub thin_walled: Option<bool>,
+    /// What is left of white light after `attenuation_distance` inside the body. Default [1, 1, 1].
+    pub attenuation_color: Option<[Fraction; 3]>,
+    /// Distance after which `attenuation_color` is left; absent: nothing is absorbed.
+    pub attenuation_distance: Option<Positive>,
+    /// 20 over the Abbe number; 0 (default) bends all colours alike.
+    pub dispersion: Option<NonNegative>,
+    /// Of overlapping dielectrics the one of higher priority wins; of equal ones the one entered last. Default 0.
+    pub priority: Option<Priority>,
+    /// Part of the diffuse light that leaves on the other side. Default 0.
+    pub diffuse_transmission: Option<Fraction>,
+    /// Alpha times `diffuse_transmission`.
+    pub diffuse_transmission_texture: Option<TextureFile>,
+    /// Colour of the diffusely transmitted light. Default [1, 1, 1].
+    pub diffuse_transmission_color: Option<[Fraction; 3]>,
+    /// Red, green and blue (sRGB) times `diffuse_transmission_color`.
+    pub diffuse_transmission_color_texture: Option<TextureFile>,
+    /// Strength of the clear coat. Default 0.
+    pub clearcoat: Option<Fraction>,
+    /// Red times `clearcoat`.
+    pub clearcoat_texture: Option<TextureFile>,
+    /// From 0, smooth, to 1. Default 0.
+    pub clearcoat_roughness: Option<Fraction>,
+    /// Green times `clearcoat_roughness`.
+    pub clearcoat_roughness_texture: Option<TextureFile>,
+    /// Normals of the coat in tangent space; without it the coat is as smooth as the geometry.
+    pub clearcoat_normal_map: Option<TextureFile>,
+    /// Multiplies x and y of `clearcoat_normal_map`. Default 1.
+    pub clearcoat_normal_scale: Option<Coordinate>,
+    /// Reflectance of the sheen at grazing angles; black (default) is no sheen.
+    pub sheen_color: Option<[Fraction; 3]>,
+    /// Red, green and blue (sRGB) times `sheen_color`.
+    pub sheen_color_texture: Option<TextureFile>,
+    /// From 0 to 1. Default 0.
+    pub sheen_roughness: Option<Fraction>,
+    /// Alpha times `sheen_roughness`.
+    pub sheen_roughness_texture: Option<TextureFile>,
+    /// How far highlights are stretched, from 0 to 1. Default 0.
+    pub anisotropy: Option<Fraction>,
+    /// Degrees from the tangent to the direction in which highlights are stretched, counter-clockwise. Default 0.
+    pub anisotropy_rotation: Option<Coordinate>,
+    /// Red and green a direction that `anisotropy_rotation` turns, blue times `anisotropy`.
+    pub anisotropy_texture: Option<TextureFile>,
+    /// Strength of the thin film. Default 0.
+    pub iridescence: Option<Fraction>,
+    /// Red times `iridescence`.
+    pub iridescence_texture: Option<TextureFile>,
+    /// Refractive index of the film. Default 1.3.
+    pub iridescence_ior: Option<Ior>,
+    /// Nanometres where `iridescence_thickness_texture` is 0. Default 100.
+    pub iridescence_thickness_minimum: Option<NonNegative>,
+    /// Nanometres where it is 1, or where there is none. Default 400.
+    pub iridescence_thickness_maximum: Option<NonNegative>,
+    /// Green chooses between the two thicknesses.
+    pub iridescence_thickness_texture: Option<TextureFile>,
+    /// Colour of the emitted light. Default [0, 0, 0], but [1, 1, 1] when `emissive_strength` is given.
+    pub emissive: Option<Radiance>,
+    /// Red, green and blue (sRGB) times `emissive`.
+    pub emissive_texture: Option<TextureFile>,
+    /// Multiplied by `emissive` it is the emitted radiance. Default 1.
+    pub emissive_strength: Option<Brightness>,
+    /// Normals in the tangent space of its texture coordinates.
+    pub normal_map: Option<TextureFile>,
+    /// Multiplies x and y of `normal_map`. Default 1.
+    pub normal_scale: Option<Coordinate>,
+}
+
+/// What coverage does.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(rename = "AlphaMode")]
+pub(crate) enum AlphaModeFile {
+    /// Nothing: the surface is whole.
+    Opaque,
+    /// Where it is below `alpha_cutoff` there is no surface.
+    Mask,
+    /// The part of light that meets the surface; the rest passes.
+    Blend,
+}
+
+/// An image and how it lies on the surface.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "TextureTable")]
+pub(crate) struct TextureTable {
+    /// Path of a PNG, JPEG, WebP, KTX2, HDR or EXR file, relative to the scene file.
+    pub image: String,
+    /// Which of the mesh's sets of texture coordinates, 0 (default) or 1.
+    pub uv_set: Option<Whole<0, 1>>,
+    /// Added to the texture coordinates, last; (0, 0) is the image's top left corner, (1, 1) its bottom right. Default [0, 0].
+    pub offset: Option<[Coordinate; 2]>,
+    /// Turns the texture coordinates counter-clockwise about (0, 0), so that the image seems to turn clockwise. Default 0.
+    pub rotation_degrees: Option<Coordinate>,
+    /// Multiplies the texture coordinates, first. Default [1, 1].
+    pub scale: Option<[Coordinate; 2]>,
+    /// What lies beyond the image's edges, for both directions or for u and v apart: "repeat" (default), "mirrored_repeat" or "clamp_to_edge".
+    pub wrap: Option<WrapFile>,
+    /// What lies between the centres of texels: "linear" (default) or "nearest".
+    pub filter: Option<TextureFilterFile>,
+}
+
+/// The same for both directions, or one for u and one for v.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "must be `\"repeat\"`, `\"mirrored_repeat\"`, `\"clamp_to_edge\"`, or a list of two of them"
+)]
+#[schemars(rename = "Wrap")]
+pub(crate) enum WrapFile {
+    /// For both directions.
+    Both(WrapName),
+    /// For u and for v.
+    Each([WrapName; 2]),
+}
+
+/// What lies beyond an image's edges.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum WrapName {
+    /// The image again.
+    Repeat,
+    /// The image mirrored, then again as it is.
+    MirroredRepeat,
+    /// Its outermost texels.
+    ClampToEdge,
+}
+
+/// What lies between the centres of texels.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(rename = "TextureFilter")]
+pub(crate) enum TextureFilterFile {
+    /// A blend of the four around.
+    Linear,
+    /// The nearest.
+    Nearest,
+}
+
+/// The path of an image, or a table that also says how it lies on the surface.
+#[derive(Debug)]
+pub(crate) struct TextureFile(pub TextureTable);
+
+impl<'de> Deserialize<'de> for TextureFile {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(TextureVisitor).map(Self)
+    }
+}
+
+struct TextureVisitor;
+
+impl TextureVisitor {
+    fn refuse<T, E: Error>() -> Result<T, E> {
+        Err(E::custom("must be the path of an image, or a table with `image`"))
+    }
+}
+
+/// An untagged enum would hide what is wrong inside the table.
+impl<'de> Visitor<'de> for TextureVisitor {
+    type Value = TextureTable;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("the path of an image, or a table with `image`")
+    }
+
+    fn visit_str<E: Error>(self, path: &str) -> Result<TextureTable, E> {
+        Ok(TextureTable { image: path.to_string(), ..TextureTable::default() })
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<TextureTable, A::Error> {
+        TextureTable::deserialize(MapAccessDeserializer::new(map))
+    }
+
+    fn visit_f64<E: Error>(self, _: f64) -> Result<TextureTable, E> {
+        Self::refuse()
+    }
+
+    fn visit_bool<E: Error>(self, _: bool) -> Result<TextureTable, E> {
+        Self::refuse()
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, _: A) -> Result<TextureTable, A::Error> {
+        Self::refuse()
+    }
+}
+
+impl JsonSchema for TextureFile {
+    fn schema_name() -> Cow<'static, str> {
+        "Texture".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let table = generator.subschema_for::<TextureTable>();
+        json_schema!({
+            "description": "The path of an image, or a table that also says how it lies on the surface.",
+            "anyOf": [{ "type": "string" }, table]
+        })
+    }
+}

@@ -1,0 +1,178 @@
+//! A scene that shows a model: a camera that sees all of it, a ground below it, a sky above.
+//!
+//! It is made as text, so that it can be read like any other, edited and saved.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use glam::{DAffine3, DMat3, DVec3};
+use raggio_models::{Camera, Place};
+
+use crate::assets::{Assets, Bounds, Imported, Trouble};
+use crate::error::SceneError;
+use crate::load::display_name;
+use crate::number::LARGEST;
+use crate::scene::RenderSettings;
+
+/// Degrees between the picture's top and bottom edges.
+const VERTICAL_FOV: f64 = 36.0;
+/// How much further away the camera stands than it would have to.
+const MARGIN: f64 = 1.08;
+/// From the model to the camera: in front of it, to the right and above. glTF's models look along +Z.
+const TOWARDS_CAMERA: DVec3 = DVec3::new(0.5, 0.38, 0.866);
+/// Points that may be looked at, one by one, for the model's exact extent.
+const MOST_POINTS: usize = 50_000_000;
+/// Below these, the ground would meet what lies flat upon it: parts of the model's size, and of its coordinates.
+const GAPS: [f64; 2] = [2e-4, 2e-6];
+
+/// The text of a scene in the model's own folder.
+pub(crate) fn text(path: &Path, assets: &mut Assets) -> Result<String, SceneError> {
+    let name = display_name(path);
+    let refuse = |message: &str| SceneError::whole_file(&name, message);
+    let file = path.file_name().and_then(|file| file.to_str());
+    let file = file.ok_or_else(|| refuse("has a name that is not UTF-8: rename it"))?;
+    let model = assets.model(path.to_path_buf(), None).map_err(|trouble| described(&name, trouble))?;
+    let turned = is_z_up(path);
+    let bounds = bounds(&model, &upright(turned));
+    if model.instances.is_empty() {
+        return Err(refuse("has no triangles, so there is nothing to be seen"));
+    }
+    if bounds.reach() > LARGEST / 10.0 {
+        return Err(refuse("is too large: keep all of it within 1e14 of the origin"));
+    }
+    let [width, height] = assets.options().picture.unwrap_or_else(|| picture(&model));
+    let mut text = format!("# Shows {}.\nversion = 1\n", file.escape_debug());
+    let _ = writeln!(text, "[render]\nwidth = {width}\nheight = {height}");
+    camera(&mut text, &model, bounds, f64::from(width) / f64::from(height));
+    surroundings(&mut text, &model, bounds);
+    subject(&mut text, &model, file, assets.options().time_seconds, turned);
+    Ok(text)
+}
+
+fn described(name: &str, trouble: Trouble) -> SceneError {
+    match trouble.place {
+        Place::Whole => SceneError::whole_file(name, trouble.message),
+        Place::Line(line) => SceneError { line, ..SceneError::whole_file(name, trouble.message) },
+        Place::Byte(byte) => SceneError::whole_file(name, format!("byte {byte}: {}", trouble.message)),
+    }
+}
+
+/// Files for printers have z upwards by custom.
+fn is_z_up(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("stl"))
+}
+
+fn upright(turned: bool) -> DAffine3 {
+    let turn = DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y);
+    DAffine3::from_mat3(if turned { turn } else { DMat3::IDENTITY })
+}
+
+/// As tight as can be found in reasonable time: a loose one would have the model float.
+fn bounds(model: &Imported, world_from_model: &DAffine3) -> Bounds {
+    let points: usize = model.instances.iter().map(|it| model.meshes[it.mesh].positions.len()).sum();
+    let of_instances = model.instances.iter().map(|instance| {
+        let world_from_mesh = *world_from_model * instance.model_from_mesh;
+        if points > MOST_POINTS {
+            return model.bounds_of(instance, &world_from_mesh);
+        }
+        let positions = model.meshes[instance.mesh].positions.iter();
+        let world = positions.map(|it| world_from_mesh.transform_point3(DVec3::from(it.map(f64::from))));
+        world.fold(Bounds::EMPTY, Bounds::with)
+    });
+    of_instances.fold(Bounds::EMPTY, Bounds::united)
+}
+
+/// As wide as the file's camera says, if it has one that does.
+fn picture(model: &Imported) -> [u32; 2] {
+    let RenderSettings { width, height, .. } = RenderSettings::default();
+    let aspect = model.cameras.first().and_then(|camera| camera.aspect).filter(|aspect| (0.1..=10.0).contains(aspect));
+    [aspect.map_or(width, |aspect| (aspect * height as f32).round() as u32), height]
+}
+
+/// The file's first, or one that sees the whole model.
+fn camera(text: &mut String, model: &Imported, bounds: Bounds, aspect: f64) {
+    let center = 0.5 * (bounds.min + bounds.max);
+    let (position, look_at, up, fov) = match model.cameras.first() {
+        Some(camera) => of_file(camera, bounds),
+        None => (center + distance(bounds, aspect) * TOWARDS_CAMERA.normalize(), center, DVec3::Y, VERTICAL_FOV),
+    };
+    let [position, look_at, up] = [position, look_at, up].map(list);
+    let _ = writeln!(text, "[camera]\nposition = {position}\nlook_at = {look_at}\nup = {up}");
+    let _ = writeln!(text, "vertical_fov_degrees = {}", number(fov));
+}
+
+/// It looks at what is in the middle of its picture as far away as the model's.
+fn of_file(camera: &Camera, bounds: Bounds) -> (DVec3, DVec3, DVec3, f64) {
+    let center = 0.5 * (bounds.min + bounds.max);
+    let depth = (center - camera.position).dot(camera.forward);
+    let depth = depth.max(1e-3 * bounds.size()).max(1e-4 * camera.position.length());
+    let fov = f64::from(camera.vertical_fov).to_degrees().clamp(0.01, 179.0);
+    (camera.position, camera.position + depth * camera.forward, camera.up, fov)
+}
+
+/// From the middle of the box, along [`TOWARDS_CAMERA`], to where every corner of it is in the picture.
+fn distance(bounds: Bounds, aspect: f64) -> f64 {
+    let back = TOWARDS_CAMERA.normalize();
+    let right = DVec3::Y.cross(back).normalize();
+    let up = back.cross(right);
+    let half = 0.5 * (bounds.max - bounds.min);
+    let tangent = (0.5 * VERTICAL_FOV).to_radians().tan();
+    let corners = (0..8).map(|corner| {
+        let sign = |axis: u32| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+        let corner = half * DVec3::new(sign(0), sign(1), sign(2));
+        let across = (corner.dot(right).abs() / aspect).max(corner.dot(up).abs());
+        corner.dot(back) + across / tangent
+    });
+    let far = corners.fold(0.0, f64::max) * MARGIN;
+    // A point has no size, but there must be a difference that 32 bits can hold.
+    far.max(1e-4 * bounds.reach()).max(1e-12)
+}
+
+/// The sky is bright above, where it makes shapes stand out, and dim where lights of the file shine.
+fn surroundings(text: &mut String, model: &Imported, bounds: Bounds) {
+    let sky = if model.lights.is_empty() { 1.0 } else { 0.08 };
+    let [horizon, zenith] = [DVec3::new(0.36, 0.36, 0.38), DVec3::new(1.25, 1.3, 1.42)].map(|color| list(sky * color));
+    let _ = writeln!(text, "[environment]\nhorizon = {horizon}\nzenith = {zenith}");
+
+    let gap = (GAPS[0] * bounds.size()).max(GAPS[1] * bounds.reach());
+    let center = 0.5 * (bounds.min + bounds.max);
+    let point = list(center.with_y(bounds.min.y - gap));
+    let _ = writeln!(text, "[materials.ground]\ncolor = [0.35, 0.35, 0.35]");
+    if model.materials.is_empty() {
+        // Colours of the vertices are multiplied by it, where there are any.
+        let has_colors = model.meshes.iter().any(|mesh| mesh.colors.is_some());
+        let base_color = list(DVec3::splat(if has_colors { 1.0 } else { 0.75 }));
+        let _ = writeln!(text, "[materials.clay]\nprincipled = {{ base_color = {base_color}, roughness = 0.6 }}");
+    }
+    let _ = writeln!(text, "[[shapes]]\nmaterial = \"ground\"\nplane = {{ point = {point}, normal = [0, 1, 0] }}");
+}
+
+fn subject(text: &mut String, model: &Imported, file: &str, time_seconds: Option<f64>, turned: bool) {
+    text.push_str("[[shapes]]\n");
+    if model.materials.is_empty() {
+        text.push_str("material = \"clay\"\n");
+    }
+    let _ = write!(text, "mesh = {{ file = {}", quoted(file));
+    if turned {
+        text.push_str(", rotation_degrees = [-90, 0, 0]");
+    }
+    if let Some(seconds) = time_seconds {
+        let _ = write!(text, ", time = {seconds}");
+    }
+    text.push_str(" }\n");
+}
+
+fn list(vector: DVec3) -> String {
+    let [x, y, z] = vector.to_array().map(number);
+    format!("[{x}, {y}, {z}]")
+}
+
+/// With the digits that 32 bits hold.
+fn number(x: f64) -> String {
+    format!("{}", x as f32)
+}
+
+/// As a TOML string; JSON's escapes are TOML's, but for one character that JSON leaves as it is.
+fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007f")
+}

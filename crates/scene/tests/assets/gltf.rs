@@ -1,0 +1,128 @@
+//! glTF: what a model brings beside its triangles.
+
+use glam::DVec3;
+use raggio_scene::{AssetOptions, Assets, Environment, LightKind, Scene, Vec3};
+
+use crate::files::{Folder, meshes};
+
+/// Two triangles of one mesh, the second 5 to the right and twice as large; a red material, and a primitive without; a
+/// point light and a camera; an animation that moves the first triangle up by 3 within a second.
+const MODEL: &str = r#"{
+  "asset": { "version": "2.0" },
+  "extensionsUsed": ["KHR_lights_punctual"],
+  "extensions": { "KHR_lights_punctual": { "lights": [
+    { "type": "point", "intensity": 7, "color": [1, 0.5, 0] },
+    { "type": "directional", "intensity": 3 }
+  ] } },
+  "scene": 0,
+  "scenes": [{ "nodes": [0, 1, 2, 3, 4] }],
+  "nodes": [
+    { "mesh": 0 },
+    { "mesh": 0, "translation": [5, 0, 0], "scale": [2, 2, 2] },
+    { "translation": [0, 4, 0], "extensions": { "KHR_lights_punctual": { "light": 0 } } },
+    { "translation": [0, 1, 9], "camera": 0 },
+    { "extensions": { "KHR_lights_punctual": { "light": 1 } } }
+  ],
+  "cameras": [{ "type": "perspective", "perspective": { "yfov": 1.0, "aspectRatio": 2.0, "znear": 0.1 } }],
+  "materials": [{ "name": "red", "pbrMetallicRoughness": { "baseColorFactor": [1, 0, 0, 1], "metallicFactor": 0 } }],
+  "meshes": [{ "primitives": [
+    { "attributes": { "POSITION": 0 }, "material": 0 },
+    { "attributes": { "POSITION": 0 } }
+  ] }],
+  "animations": [{
+    "samplers": [{ "input": 1, "output": 2 }],
+    "channels": [{ "sampler": 0, "target": { "node": 0, "path": "translation" } }]
+  }],
+  "buffers": [{ "byteLength": 68, "uri": "model.bin" }],
+  "bufferViews": [{ "buffer": 0, "byteLength": 68 }],
+  "accessors": [
+    { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 2, 0] },
+    { "bufferView": 0, "byteOffset": 36, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1] },
+    { "bufferView": 0, "byteOffset": 44, "componentType": 5126, "count": 2, "type": "VEC3" }
+  ]
+}"#;
+
+const SHAPE: &str = "[environment]\ncolor = [1, 1, 1]\n[[shapes]]\n";
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("model.gltf", MODEL);
+    let floats = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 3.0, 0.0];
+    folder.write("model.bin", floats.map(f32::to_le_bytes).concat());
+    folder
+}
+
+fn heights(scene: &Scene) -> Vec<f64> {
+    meshes(scene).iter().map(|(_, world_from_mesh, _)| world_from_mesh.translation.y).collect()
+}
+
+#[test]
+fn each_instance_is_a_shape() {
+    let scene = folder().scene(&format!("{SHAPE}mesh = {{ file = \"model.gltf\", translation = [0, 0, 10] }}\n"));
+    let names: Vec<&str> = scene.materials.iter().map(|it| it.name.as_str()).collect();
+    assert_eq!(names, ["model.gltf/red", "model.gltf/default"]);
+    assert_eq!((scene.shapes.len(), scene.entries[0].shapes.clone()), (2, 0..2));
+    assert!(scene.shapes.iter().all(|shape| (shape.entry, shape.material) == (0, 1)));
+    let [(a, first, Some(0)), (b, second, Some(0))] = meshes(&scene)[..] else {
+        panic!("two with their own materials")
+    };
+    assert!(std::sync::Arc::ptr_eq(a, b));
+    assert_eq!(first.transform_point3(DVec3::ONE), DVec3::new(1.0, 1.0, 11.0));
+    assert_eq!(second.transform_point3(DVec3::ONE), DVec3::new(7.0, 2.0, 12.0));
+}
+
+#[test]
+fn its_lights_are_placed_and_scaled_with_it() {
+    let keys = "rotation_degrees = [0, 0, 90], scale = 10, translation = [0, 0, 1]";
+    let scene = folder().scene(&format!("{SHAPE}mesh = {{ file = \"model.gltf\", {keys} }}\n"));
+    let [point, sun] = &scene.lights[..] else { panic!("two lights") };
+    assert_eq!((point.kind, sun.kind), (LightKind::Point, LightKind::Directional));
+    assert!(point.position.abs_diff_eq(DVec3::new(-40.0, 0.0, 1.0), 1e-9), "{}", point.position);
+    // Ten times as far from everything, it has to be a hundred times as strong.
+    assert!(Vec3::from(point.intensity).abs_diff_eq(Vec3::new(700.0, 350.0, 0.0), 1e-3), "{:?}", point.intensity);
+    assert_eq!(sun.intensity, [3.0; 3]);
+    assert!(sun.direction.abs_diff_eq(DVec3::NEG_Z, 1e-12), "{}", sun.direction);
+}
+
+#[test]
+fn the_time_is_the_scenes_unless_somebody_says_another() {
+    let folder = folder();
+    let shape = |time: &str| format!("[[shapes]]\nmesh = {{ file = \"model.gltf\"{time} }}\n");
+    let body = format!("[environment]\ncolor = [1, 1, 1]\n{}{}", shape(""), shape(", time = 0.5"));
+    let scene = folder.scene(&body);
+    assert_eq!(heights(&scene), [0.0, 0.0, 1.5, 0.0]);
+    let mut assets = Assets::new(AssetOptions { time_seconds: Some(1.0), ..AssetOptions::default() });
+    let scene = folder.read(&body, &mut assets).unwrap();
+    assert_eq!(heights(&scene), [3.0, 0.0, 3.0, 0.0]);
+    assert_eq!(assets.files().count(), 1);
+}
+
+#[test]
+fn a_model_may_name_no_file_outside_its_folder_unless_it_is_allowed_to() {
+    let folder = folder();
+    std::fs::create_dir(folder.path("sub")).unwrap();
+    folder.write("sub/model.gltf", MODEL.replace("model.bin", "../model.bin"));
+    let body = format!("{SHAPE}mesh = {{ file = \"sub/model.gltf\" }}\n");
+    let error = folder.error(&body);
+    assert!(error.starts_with("scene.toml:9:17: sub/model.gltf: buffers[0]: `../model.bin` is outside"), "{error}");
+    let mut assets = Assets::new(AssetOptions { allow_outside: true, ..AssetOptions::default() });
+    assert_eq!(folder.read(&body, &mut assets).unwrap().shapes.len(), 2);
+}
+
+#[test]
+fn it_is_shown_by_its_own_camera_and_lights() {
+    let folder = folder();
+    let mut assets = Assets::new(AssetOptions { time_seconds: Some(1.0), ..AssetOptions::default() });
+    let scene = Scene::load_with(&folder.path("model.gltf"), &mut assets).unwrap();
+    let camera = &scene.camera;
+    assert_eq!((camera.position, camera.up), (Vec3::new(0.0, 1.0, 9.0), Vec3::Y));
+    assert!((camera.vertical_fov_degrees.to_radians() - 1.0).abs() < 1e-6);
+    let towards = (camera.look_at - camera.position).normalize();
+    assert!(towards.abs_diff_eq(Vec3::NEG_Z, 1e-6), "{towards}");
+    assert_eq!((scene.render.width, scene.render.height), (1440, 720));
+    assert_eq!(heights(&scene), [3.0, 0.0]);
+    let Environment::Gradient { zenith, .. } = scene.environment else { panic!("a gradient") };
+    assert!(zenith.max_element() < 0.2, "{zenith}");
+    assert_eq!(scene.lights.len(), 2);
+    assert!(scene.materials.iter().any(|it| it.name == "model.gltf/red" && it.imported));
+}

@@ -1,0 +1,141 @@
+//! Images: the sky's, and those of materials.
+
+use std::sync::Arc;
+
+use raggio_scene::{Environment, Texels, Texture, TextureFilter, Wrap};
+
+use crate::files::Folder;
+
+#[test]
+fn an_environment() {
+    let folder = Folder::new();
+    let scene = folder.scene("[environment]\nimage = \"pixel.hdr\"\nrotation_degrees = -90\nintensity = 2\n");
+    let Environment::Image { image, rotation_degrees, intensity } = &scene.environment else { panic!("an image") };
+    assert_eq!((*rotation_degrees, *intensity), (270.0, 2.0));
+    assert_eq!((image.width, image.height), (1, 1));
+    assert!(image.texels == Texels::Rgb32F(vec![[1.0, 0.5, 0.25]]));
+    assert_eq!(scene.warnings, [""; 0]);
+}
+
+#[test]
+fn an_environment_by_default() {
+    let scene = Folder::new().scene("[environment]\nimage = \"pixel.hdr\"\n");
+    let Environment::Image { rotation_degrees, intensity, .. } = scene.environment else { panic!("an image") };
+    assert_eq!((rotation_degrees, intensity), (0.0, 1.0));
+}
+
+#[test]
+fn a_damaged_image_is_named() {
+    let folder = Folder::new();
+    folder.write("cut.hdr", "#?RADIANCE\n");
+    let error = folder.error("[environment]\nimage = \"cut.hdr\"\n");
+    assert!(error.starts_with("scene.toml:7:9: cut.hdr: is a Radiance HDR that is damaged"), "{error}");
+    folder.write("text.png", "no picture");
+    let error = folder.error("[materials.a.principled]\nnormal_map = \"text.png\"\n");
+    assert!(error.starts_with("scene.toml:7:14: text.png: is not an image"), "{error}");
+    assert_eq!(folder.error("[environment]\nimage = \".\"\n"), "scene.toml:7:9: .: is not a file");
+}
+
+/// The normal map of a material with these keys.
+fn normal_map(keys: &str) -> Texture {
+    let scene =
+        Folder::new().scene(&format!("[materials.a.principled]\nnormal_map = {{ image = \"pixel.hdr\"{keys} }}\n"));
+    scene.materials[0].principled.as_ref().unwrap().normal_texture.clone().unwrap()
+}
+
+#[test]
+fn how_a_texture_lies() {
+    assert_eq!(normal_map(""), Texture::new(normal_map("").image));
+    let texture = normal_map(", uv_set = 1, wrap = [\"clamp_to_edge\", \"mirrored_repeat\"], filter = \"nearest\"");
+    assert_eq!(texture.uv_set, 1);
+    assert_eq!(texture.wrap, [Wrap::ClampToEdge, Wrap::MirroredRepeat]);
+    assert_eq!(texture.filter, TextureFilter::Nearest);
+    assert_eq!(normal_map(", wrap = \"clamp_to_edge\"").wrap, [Wrap::ClampToEdge; 2]);
+}
+
+/// Where the transform takes a point.
+fn mapped(keys: &str, [u, v]: [f32; 2]) -> [f32; 2] {
+    normal_map(keys).transform.map(|[a, b, c]| a * u + b * v + c)
+}
+
+#[test]
+fn texture_coordinates_are_scaled_then_turned_then_moved() {
+    assert_eq!(mapped(", offset = [0.5, 0.25]", [1.0, 1.0]), [1.5, 1.25]);
+    assert_eq!(mapped(", scale = [2, -1]", [1.0, 1.0]), [2.0, -1.0]);
+    // The lower left quarter of the image, v being downwards: KHR_texture_transform's own example.
+    let keys = ", offset = [0, 1], rotation_degrees = 90, scale = [0.5, 0.5]";
+    for (uv, expected) in [([0.0, 0.0], [0.0, 1.0]), ([1.0, 0.0], [0.0, 0.5]), ([0.0, 1.0], [0.5, 1.0])] {
+        let found = mapped(keys, uv);
+        assert!((0..2).all(|i| (found[i] - expected[i]).abs() < 1e-6), "{uv:?}: {found:?}");
+    }
+}
+
+#[test]
+fn a_factor_beside_its_texture_is_1_unless_it_is_given() {
+    let scene = Folder::new().scene(
+        "[materials.a.principled]\nmetallic_roughness_texture = \"pixel.hdr\"\nemissive_texture = \"pixel.hdr\"\n\
+         sheen_color_texture = \"pixel.hdr\"\nclearcoat_texture = \"pixel.hdr\"\nclearcoat = 0.5\n",
+    );
+    let surface = scene.materials[0].principled.as_ref().unwrap();
+    assert_eq!((surface.metallic, surface.roughness, surface.clearcoat), (1.0, 1.0, 0.5));
+    assert_eq!((surface.emissive, surface.sheen_color), ([1.0; 3], [1.0; 3]));
+    assert_eq!((surface.transmission, surface.sheen_roughness), (0.0, 0.0));
+}
+
+#[test]
+fn every_texture_is_where_its_key_says() {
+    let keys = [
+        "base_color_texture",
+        "metallic_roughness_texture",
+        "normal_map",
+        "emissive_texture",
+        "specular_texture",
+        "specular_color_texture",
+        "transmission_texture",
+        "diffuse_transmission_texture",
+        "diffuse_transmission_color_texture",
+        "clearcoat_texture",
+        "clearcoat_roughness_texture",
+        "clearcoat_normal_map",
+        "sheen_color_texture",
+        "sheen_roughness_texture",
+        "anisotropy_texture",
+        "iridescence_texture",
+        "iridescence_thickness_texture",
+    ];
+    for (place, key) in keys.iter().enumerate() {
+        let scene = Folder::new().scene(&format!("[materials.a.principled]\n{key} = \"pixel.hdr\"\n"));
+        let it = scene.materials[0].principled.as_ref().unwrap();
+        let found = [
+            &it.base_color_texture,
+            &it.metallic_roughness_texture,
+            &it.normal_texture,
+            &it.emissive_texture,
+            &it.specular_texture,
+            &it.specular_color_texture,
+            &it.transmission_texture,
+            &it.diffuse_transmission_texture,
+            &it.diffuse_transmission_color_texture,
+            &it.clearcoat_texture,
+            &it.clearcoat_roughness_texture,
+            &it.clearcoat_normal_texture,
+            &it.sheen_color_texture,
+            &it.sheen_roughness_texture,
+            &it.anisotropy_texture,
+            &it.iridescence_texture,
+            &it.iridescence_thickness_texture,
+        ];
+        let given: Vec<usize> = (0..found.len()).filter(|i| found[*i].is_some()).collect();
+        assert_eq!(given, [place], "{key}");
+    }
+}
+
+#[test]
+fn an_image_is_read_once_for_all_its_uses() {
+    let scene = Folder::new().scene(
+        "[environment]\nimage = \"pixel.hdr\"\n[materials.a.principled]\nbase_color_texture = \"./pixel.hdr\"\n",
+    );
+    let Environment::Image { image, .. } = &scene.environment else { panic!("an image") };
+    let texture = scene.materials[0].principled.as_ref().unwrap().base_color_texture.as_ref().unwrap();
+    assert!(Arc::ptr_eq(image, &texture.image));
+}

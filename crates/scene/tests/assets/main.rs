@@ -1,0 +1,11 @@
+//! Models and images that scenes name.
+
+mod cache;
+mod files;
+mod gltf;
+mod images;
+mod meshes;
+mod showing;
+
+#[path = "../common/mod.rs"]
+mod common;
