@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use raggio_render::{Comparison, ToneMapper, View};
-use raggio_scene::{Camera, Environment, Geometry, Material, RenderSettings};
+use raggio_scene::{Camera, Environment, Geometry, Material, Placement, RenderSettings};
 
 use crate::look::Look;
 use crate::navigation::Preset;
@@ -90,8 +90,10 @@ pub enum Edit {
     Material(usize, Material),
     /// A new material for a shape.
     NewMaterial { shape: usize },
-    /// A shape and its material.
+    /// A shape and its material; shapes are counted as in the file.
     Shape(usize, Geometry, usize),
+    /// Where a model stands, and its material unless that is its own.
+    Model(usize, Placement, Option<usize>),
     /// A new shape, of this material if the scene has it.
     Add(Geometry, usize),
     /// The sky.

@@ -15,7 +15,7 @@ mod tree;
 
 use std::path::{Path, PathBuf};
 
-use raggio_scene::{Scene, SceneError, display_name, read_text};
+use raggio_scene::{AssetOptions, Assets, Scene, SceneError, display_name, is_model, scene_text};
 use toml_edit::DocumentMut;
 
 pub use clipboard::{camera_from_text, camera_text};
@@ -32,16 +32,35 @@ pub struct Document {
     scene: Scene,
     /// The file's text as last read or saved; `None` when it never was.
     on_disk: Option<String>,
+    /// The text that was made for a model, which nobody would miss.
+    made: Option<String>,
     history: History,
+    assets: Assets,
 }
 
 impl Document {
-    /// Reads a scene file.
+    /// Reads a scene file, or makes a scene that shows a model.
     ///
     /// # Errors
     /// Those of [`Scene::load`].
     pub fn open(path: &Path) -> Result<Self, SceneError> {
-        let mut document = Self::from_text(read_text(path)?, path)?;
+        Self::open_with(path, AssetOptions::default())
+    }
+
+    /// The same, with models read as `options` say. A scene made for a model is not on disk yet; [`Self::save`] would
+    /// write it beside the model.
+    ///
+    /// # Errors
+    /// Those of [`Scene::load_with`].
+    pub fn open_with(path: &Path, options: AssetOptions) -> Result<Self, SceneError> {
+        let mut assets = Assets::new(options);
+        let text = scene_text(path, &mut assets)?;
+        if is_model(path) {
+            let mut document = Self::read(text, &free_path(path), assets)?;
+            document.made = Some(document.text.clone());
+            return Ok(document);
+        }
+        let mut document = Self::read(text, path, assets)?;
         document.on_disk = Some(document.text.clone());
         Ok(document)
     }
@@ -51,9 +70,18 @@ impl Document {
     /// # Errors
     /// When the text is not a valid scene.
     pub fn from_text(text: impl Into<String>, path: &Path) -> Result<Self, SceneError> {
-        let text = text.into();
-        let scene = Scene::parse(&text, &display_name(path))?;
-        Ok(Self { path: path.to_path_buf(), text, scene, on_disk: None, history: History::default() })
+        Self::read(text.into(), path, Assets::default())
+    }
+
+    fn read(text: String, path: &Path, mut assets: Assets) -> Result<Self, SceneError> {
+        let scene = Scene::parse_with(&text, path, &mut assets)?;
+        let path = path.to_path_buf();
+        Ok(Self { path, text, scene, on_disk: None, made: None, history: History::default(), assets })
+    }
+
+    /// Models and images that the scene is made of.
+    pub fn assets(&self) -> &Assets {
+        &self.assets
     }
 
     /// Where the scene is read from and saved to.
@@ -73,7 +101,7 @@ impl Document {
 
     /// Whether the text differs from what was last read or saved.
     pub fn is_modified(&self) -> bool {
-        self.on_disk.as_ref() != Some(&self.text)
+        ![&self.on_disk, &self.made].map(Option::as_ref).contains(&Some(&self.text))
     }
 
     /// Writes the file, whole or not at all.
@@ -88,36 +116,47 @@ impl Document {
     /// Writes to another file, whole or not at all, which is the document's own from then on.
     ///
     /// # Errors
-    /// When it cannot be written; nothing changes then.
+    /// When it cannot be written, or in the other folder does not find what it names; nothing changes then.
     pub fn save_as(&mut self, path: &Path) -> Result<(), EditError> {
+        // Warnings name the file, and paths in it are relative to its folder.
+        let moved = self.path != path;
+        let scene = moved.then(|| Scene::parse_with(&self.text, path, &mut self.assets)).transpose()?;
         raggio_render::write_whole(path, self.text.as_bytes())
             .map_err(|source| EditError::Unwritable { path: display_name(path), source })?;
         self.on_disk = Some(self.text.clone());
-        if self.path != path {
+        if let Some(scene) = scene {
+            self.scene = scene;
             self.path = path.to_path_buf();
-            // Warnings name the file.
-            self.scene = Scene::parse(&self.text, &display_name(path))?;
         }
         Ok(())
     }
 
-    /// Reads the file again. If it changed since it was last read or saved, its text becomes one step that can be
-    /// undone. Whether the text of the document changed.
+    /// Reads the file again, and what it names. If it changed since it was last read or saved, its text becomes one step
+    /// that can be undone. Whether the scene may have changed.
     ///
     /// # Errors
     /// Those of [`Self::open`]; nothing changes then.
     pub fn reload(&mut self) -> Result<bool, SceneError> {
-        let text = read_text(&self.path)?;
-        if self.on_disk.as_ref() == Some(&text) {
-            return Ok(false);
+        let is_stale = self.assets.refresh();
+        let text = match self.on_disk {
+            Some(_) => scene_text(&self.path, &mut self.assets)?,
+            None => self.text.clone(),
+        };
+        if self.on_disk.as_ref().is_none_or(|known| *known == text) {
+            if is_stale {
+                self.scene = Scene::parse_with(&self.text, &self.path, &mut self.assets)?;
+            }
+            return Ok(is_stale);
         }
         self.history.end_gesture();
         let is_new = text != self.text;
         if is_new {
             self.accept("reload", text.clone())?;
+        } else if is_stale {
+            self.scene = Scene::parse_with(&self.text, &self.path, &mut self.assets)?;
         }
         self.on_disk = Some(text);
-        Ok(is_new)
+        Ok(is_new || is_stale)
     }
 
     /// Whether another program has written the file since it was last read or saved. A file that cannot be read, or was
@@ -125,6 +164,11 @@ impl Document {
     pub fn changed_on_disk(&self) -> bool {
         let read = |known: &String| std::fs::read(&self.path).is_ok_and(|bytes| bytes != known.as_bytes());
         self.on_disk.as_ref().is_some_and(read)
+    }
+
+    /// Whether a model or an image was written since it was last read.
+    pub fn assets_changed(&mut self) -> bool {
+        self.assets.refresh()
     }
 
     /// Edits from here on, until [`Self::end_gesture`] or a gesture of another key, are one step to undo: a slider
@@ -152,23 +196,32 @@ impl Document {
     /// Goes back one step and returns its name.
     pub fn undo(&mut self) -> Option<String> {
         let (name, text) = self.history.undo(&self.text)?;
-        self.restore(text);
+        if !self.restore(&text) {
+            self.history.redo(&text);
+            return None;
+        }
         Some(name)
     }
 
     /// Takes back one [`Self::undo`] and returns the step's name.
     pub fn redo(&mut self) -> Option<String> {
         let (name, text) = self.history.redo(&self.text)?;
-        self.restore(text);
+        if !self.restore(&text) {
+            self.history.undo(&text);
+            return None;
+        }
         Some(name)
     }
 
-    /// Every text of the history was accepted once, so that it is a scene still.
-    fn restore(&mut self, text: String) {
-        if let Ok(scene) = Scene::parse(&text, &display_name(&self.path)) {
+    /// Every text of the history was accepted once, so that it is a scene still, unless a file that it names is gone.
+    fn restore(&mut self, text: &str) -> bool {
+        let scene = Scene::parse_with(text, &self.path, &mut self.assets);
+        let is_scene = scene.is_ok();
+        if let Ok(scene) = scene {
             self.scene = scene;
-            self.text = text;
+            self.text = text.to_string();
         }
+        is_scene
     }
 
     /// Lets `change` edit the text. Whether that changed anything.
@@ -191,9 +244,17 @@ impl Document {
 
     /// Makes `text` the document's, as a step that can be undone.
     fn accept(&mut self, name: &str, text: String) -> Result<(), SceneError> {
-        self.scene = Scene::parse(&text, &display_name(&self.path))?;
+        self.scene = Scene::parse_with(&text, &self.path, &mut self.assets)?;
         let before = std::mem::replace(&mut self.text, text);
         self.history.record(name, before, &self.text);
         Ok(())
     }
+}
+
+/// Beside a model, for the scene that shows it: a file that is not there yet.
+fn free_path(model: &Path) -> PathBuf {
+    let stem = model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let numbered = (2..).map(|number| format!("{stem}_{number}.toml"));
+    let mut names = std::iter::once(format!("{stem}.toml")).chain(numbered).map(|name| model.with_file_name(name));
+    names.find(|path| !path.exists()).unwrap_or_else(|| model.with_extension("toml"))
 }

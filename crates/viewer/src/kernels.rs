@@ -4,13 +4,13 @@ use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 
-use raggio_kernels::compile;
+use raggio_kernels::{Spirv, compile};
 
 use crate::error::ViewError;
 use crate::watch::Watch;
 
 /// SPIR-V, or what is wrong with the kernels, in the words of their compiler.
-type Outcome = Result<Vec<u8>, String>;
+type Outcome = Result<Spirv, String>;
 
 /// Compiles the kernels of a folder whenever they change, beside the frames.
 pub struct KernelWatch {

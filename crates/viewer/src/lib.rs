@@ -9,6 +9,7 @@ mod command;
 pub mod document;
 mod error;
 mod export;
+mod extent;
 mod fields;
 mod hidden;
 mod input;
@@ -31,6 +32,7 @@ mod window;
 use std::path::PathBuf;
 
 use raggio_render::{DeviceChoice, OpenOptions};
+use raggio_scene::AssetOptions;
 
 pub use clock::Pacing;
 pub use error::ViewError;
@@ -38,8 +40,10 @@ pub use error::ViewError;
 /// What to view, and how.
 #[derive(Clone)]
 pub struct Options {
-    /// The scene's file.
+    /// The scene's file, or a model.
     pub scene: PathBuf,
+    /// How models are read.
+    pub assets: AssetOptions,
     /// What traces.
     pub device: DeviceChoice,
     /// How devices are opened.

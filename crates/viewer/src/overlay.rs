@@ -1,7 +1,6 @@
 //! What is drawn over the picture: the chosen shape's box, and what the viewer has to say.
 
 use egui::{Align2, Area, Color32, Frame, Pos2, Rect, RichText, Stroke, Ui, vec2};
-use raggio_render::bounds;
 use raggio_scene::{Camera, Vec3};
 
 use crate::navigation::axes;
@@ -16,7 +15,7 @@ pub fn place(room: Rect, viewer: &Viewer) -> Rect {
 
 /// Draws over the picture in `area`.
 pub fn show(ui: &Ui, area: Rect, viewer: &mut Viewer) {
-    if let Some((low, high)) = viewer.selection.and_then(|shape| bounds(&viewer.scene().shapes[shape].geometry)) {
+    if let Some((low, high)) = viewer.outline {
         let painter = ui.painter().with_clip_rect(area);
         for line in edges(low, high) {
             if let Some(line) = seen(line, viewer.camera(), area) {

@@ -1,9 +1,9 @@
 //! From hands to a camera: what mouse and keys do in the picture.
 
-use raggio_render::bounds;
 use raggio_scene::{Camera, Scene, Vec3};
 
 use crate::error::ViewError;
+use crate::extent::extent;
 use crate::navigation::{
     Bookmarks, Button, DragAction, Modifiers, Motion, Preset, Transition, WheelAction, action, axes, default_speed,
     dolly, fly, focus_on, look, orbit, pan, set_focus, step_speed, view_from, wheel,
@@ -58,9 +58,7 @@ struct Drag {
 impl Pilot {
     /// At the scene's own camera.
     pub fn new(scene: &Scene) -> Self {
-        let boxes = scene.shapes.iter().filter_map(|shape| bounds(&shape.geometry));
-        let whole = boxes.reduce(|(low, high), (a, b)| (low.min(a), high.max(b)));
-        let diagonal = whole.map_or(0.0, |(low, high)| (high - low).length());
+        let diagonal = extent(&scene.shapes).map_or(0.0, |(low, high)| (high - low).length());
         // Ground that is a giant sphere says nothing about the size of what stands on it.
         let seen = 4.0 * (scene.camera.look_at - scene.camera.position).length();
         let extent = if diagonal > 0.0 { diagonal.min(seen) } else { seen };
@@ -122,8 +120,7 @@ impl Pilot {
 
     /// So that a shape of `scene` fills the picture; one without bounds stays as far away as it is.
     pub fn focus_on(&mut self, scene: &Scene, shape: usize, aspect: f32) {
-        let around = scene.shapes.get(shape).and_then(|shape| bounds(&shape.geometry));
-        if let Some((low, high)) = around {
+        if let Some((low, high)) = extent(scene.shapes_of(shape)) {
             self.go(focus_on(&self.camera, (low + high) / 2.0, (high - low).length() / 2.0, aspect));
         }
     }

@@ -3,8 +3,7 @@
 use std::time::{Duration, Instant};
 
 use raggio_render::{
-    Change, Device, DeviceError, DeviceScene, Display, Feature, Film, FilmPixel, Image, Pixels, Probe, Progress,
-    Renderer, View,
+    Device, DeviceError, DeviceScene, Display, Feature, Film, FilmPixel, Image, Pixels, Probe, Progress, Renderer, View,
 };
 use raggio_scene::{Camera, Scene, Vec3};
 
@@ -60,7 +59,7 @@ pub struct Pick {
     pub normal: Vec3,
     /// From the camera.
     pub distance: f32,
-    /// In the scene's list.
+    /// The place of its `[[shapes]]` in the file.
     pub shape: usize,
     /// In the scene's list.
     pub material: usize,
@@ -130,8 +129,9 @@ impl Tracer {
     pub fn set_scene(&mut self, scene: &Scene, camera: &Camera) -> Result<(), ViewError> {
         let mut scene = Scene { camera: camera.clone(), ..scene.clone() };
         [scene.render.width, scene.render.height] = self.film_size();
-        let device_scene = DeviceScene::new(&scene)?;
-        self.renderer.restart(&device_scene, Change::Scene)?;
+        let mut device_scene = self.device_scene.clone();
+        device_scene.update(&scene)?;
+        self.renderer.restart(&device_scene)?;
         (self.scene, self.device_scene) = (scene, device_scene);
         self.begin()
     }
@@ -159,7 +159,7 @@ impl Tracer {
     pub fn restart(&mut self) -> Result<(), ViewError> {
         [self.scene.render.width, self.scene.render.height] = self.film_size();
         self.device_scene.set_view(&self.scene)?;
-        self.renderer.restart(&self.device_scene, Change::View)?;
+        self.renderer.restart(&self.device_scene)?;
         self.begin()
     }
 
@@ -251,7 +251,7 @@ impl Tracer {
         if place < 0.0 {
             return Ok(None);
         }
-        let shape = self.device_scene.shape_of_place[place as usize] as usize;
+        let shape = self.scene.shapes[self.device_scene.shape_of_place[place as usize] as usize].entry;
         let vector = |v: [f32; 4]| Vec3::new(v[0], v[1], v[2]);
         let material = found[2] as usize;
         Ok(Some(Pick { position: vector(position), normal: vector(normal), distance: found[0], shape, material }))

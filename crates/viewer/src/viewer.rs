@@ -8,14 +8,15 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use raggio_render::{Device, FilmPixel};
-use raggio_scene::{Camera, Scene};
+use raggio_render::{Device, FilmPixel, Spirv};
+use raggio_scene::{Camera, Scene, Vec3};
 
 use crate::clock::Clock;
 use crate::command::{Command, Navigate};
 use crate::document::Document;
 use crate::error::ViewError;
 use crate::export::Export;
+use crate::extent::extent;
 use crate::fields::Fields;
 use crate::kernels::KernelWatch;
 use crate::look::Look;
@@ -36,7 +37,10 @@ pub struct Viewer {
     pub(crate) clock: Clock,
     pub(crate) notices: Notices,
     pub(crate) settings: Settings,
+    /// The place of its `[[shapes]]` in the file.
     pub(crate) selection: Option<usize>,
+    /// The box around the selection, if it has one.
+    pub(crate) outline: Option<(Vec3, Vec3)>,
     pub(crate) reading: Option<Reading>,
     pub(crate) export: Option<Export>,
     pub(crate) fields: Fields,
@@ -48,7 +52,7 @@ pub struct Viewer {
     watch: Option<Watch>,
     kernels: Option<KernelWatch>,
     /// What the kernels were last compiled to.
-    spirv: Option<Vec<u8>>,
+    spirv: Option<Spirv>,
     wake: Wake,
 }
 
@@ -113,6 +117,7 @@ impl Viewer {
                 help: false,
             },
             selection: None,
+            outline: None,
             reading: None,
             export: None,
             fields: Fields::new(&document),
@@ -196,6 +201,13 @@ impl Viewer {
         }
     }
 
+    /// Chooses a shape, or none; what the scene does not have cannot be chosen.
+    fn select(&mut self, shape: Option<usize>) {
+        let scene = self.document.scene();
+        self.selection = shape.filter(|shape| *shape < scene.entries.len());
+        self.outline = self.selection.and_then(|shape| extent(scene.shapes_of(shape)));
+    }
+
     fn execute(&mut self, command: Command) -> Result<(), ViewError> {
         match command {
             Command::Edit(edit) => return self.edit(edit),
@@ -204,7 +216,7 @@ impl Viewer {
             Command::Redo => return self.redo(),
             Command::RemoveSelected => return self.remove_selected(),
             Command::DuplicateSelected => return self.duplicate_selected(),
-            Command::Select(shape) => self.selection = shape.filter(|shape| *shape < self.scene().shapes.len()),
+            Command::Select(shape) => self.select(shape),
             Command::Save(path) => return self.save(path),
             Command::Reload => return self.reload(),
             Command::Open(path) => return self.open(&path),

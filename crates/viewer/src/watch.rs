@@ -1,7 +1,7 @@
 //! Files that others change while they are shown.
 
-use std::ffi::OsString;
-use std::path::Path;
+use std::collections::{BTreeSet, HashSet};
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
@@ -14,22 +14,29 @@ const QUIET: Duration = Duration::from_millis(80);
 pub struct Watch {
     // Stops watching when it goes.
     _watcher: RecommendedWatcher,
+    files: Vec<PathBuf>,
     changes: Receiver<()>,
     last: Option<Instant>,
 }
 
 enum Wanted {
-    File(OsString),
+    Files(HashSet<PathBuf>),
     Ending(&'static str),
 }
 
 impl Watch {
-    /// One file. Its folder is what is watched: many programs replace a file rather than write into it.
-    pub fn file(path: &Path, wake: impl Fn() + Send + 'static) -> Result<Self, notify::Error> {
-        // What a link leads to is what changes.
-        let path = path.canonicalize().map_err(notify::Error::io)?;
-        let name = path.file_name().unwrap_or_default().to_owned();
-        Self::new(path.parent().unwrap_or(Path::new("/")), RecursiveMode::NonRecursive, Wanted::File(name), wake)
+    /// These files, by their canonical paths. Their folders are what is watched: many programs replace a file rather than
+    /// write into it.
+    pub fn files(files: Vec<PathBuf>, wake: impl Fn() + Send + 'static) -> Result<Self, notify::Error> {
+        let folders: BTreeSet<_> = files.iter().filter_map(|file| file.parent()).map(Path::to_path_buf).collect();
+        let wanted = Wanted::Files(files.iter().cloned().collect());
+        let folders = folders.iter().map(PathBuf::as_path);
+        Ok(Self { files, ..Self::new(folders, RecursiveMode::NonRecursive, wanted, wake)? })
+    }
+
+    /// What is watched.
+    pub fn watched(&self) -> &[PathBuf] {
+        &self.files
     }
 
     /// All files below `folder` with this ending.
@@ -38,11 +45,11 @@ impl Watch {
         ending: &'static str,
         wake: impl Fn() + Send + 'static,
     ) -> Result<Self, notify::Error> {
-        Self::new(folder, RecursiveMode::Recursive, Wanted::Ending(ending), wake)
+        Self::new([folder], RecursiveMode::Recursive, Wanted::Ending(ending), wake)
     }
 
-    fn new(
-        folder: &Path,
+    fn new<'a>(
+        folders: impl IntoIterator<Item = &'a Path>,
         mode: RecursiveMode,
         wanted: Wanted,
         wake: impl Fn() + Send + 'static,
@@ -56,8 +63,10 @@ impl Watch {
                 wake();
             }
         })?;
-        watcher.watch(folder, mode)?;
-        Ok(Self { _watcher: watcher, changes, last: None })
+        for folder in folders {
+            watcher.watch(folder, mode)?;
+        }
+        Ok(Self { _watcher: watcher, files: Vec::new(), changes, last: None })
     }
 
     /// True once after each change, when it is over.
@@ -81,7 +90,7 @@ impl Watch {
 impl Wanted {
     fn is(&self, path: &Path) -> bool {
         match self {
-            Self::File(name) => path.file_name() == Some(name),
+            Self::Files(files) => files.contains(path),
             Self::Ending(ending) => path.extension().is_some_and(|e| e == *ending),
         }
     }

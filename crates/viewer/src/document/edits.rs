@@ -1,6 +1,6 @@
 //! Edits that take the scene's plain data and touch only the keys whose values change.
 
-use raggio_scene::{Camera, Environment, Geometry, Material, RenderSettings, Scene};
+use raggio_scene::{Camera, Environment, Geometry, Material, Placement, RenderSettings, Scene};
 use toml_edit::{DocumentMut, InlineTable, Item, Table};
 
 use super::error::item;
@@ -46,19 +46,36 @@ impl Document {
         place.ok_or(EditError::Missing { what: "material", index: 0, count: self.scene.materials.len() })
     }
 
-    /// Changes a shape's geometry, which may become one of another kind, and its material.
+    /// Changes the geometry of a shape that is no model, which may become one of another kind, and its material. Shapes
+    /// are counted as in the file.
     pub fn set_shape(&mut self, index: usize, new: &Geometry, material: usize) -> Result<bool, EditError> {
         let name = change_of_shape(&self.scene, index, new)?;
         self.edit(&name, |toml, scene| {
-            let old = item(&scene.shapes, index, "shape")?;
+            let old = item(scene.shapes_of(index), 0, "shape")?;
             let named = item(&scene.materials, material, "material")?;
             let Some(table) = lists::shape(toml, index) else { return Ok(()) };
-            if material != old.material
-                && let Some(Item::Value(value)) = tree::child(table, "material")
-            {
-                tree::replace(value, named.name.as_str().into());
+            if material != old.material {
+                paint(table, Some(&named.name));
             }
             write_geometry(table, &old.geometry, new);
+            Ok(())
+        })
+    }
+
+    /// Moves a model, and gives it a material, or with `None` its own.
+    pub fn set_model(&mut self, index: usize, new: &Placement, material: Option<usize>) -> Result<bool, EditError> {
+        let entry = item(&self.scene.entries, index, "shape")?;
+        let moves = entry.placement.as_ref() != Some(new);
+        self.edit(if moves { "move mesh" } else { "paint mesh" }, |toml, scene| {
+            let old = item(&scene.entries, index, "shape")?;
+            let named = material.map(|index| item(&scene.materials, index, "material")).transpose()?;
+            let Some(table) = lists::shape(toml, index) else { return Ok(()) };
+            if material != old.material {
+                paint(table, named.map(|material| material.name.as_str()));
+            }
+            if let (Some(old), Some(mesh)) = (&old.placement, tree::child(table, "mesh")) {
+                tree::write_fields(mesh, &fields::placement(old, new));
+            }
             Ok(())
         })
     }
@@ -75,12 +92,12 @@ impl Document {
             }
             Ok(())
         })?;
-        Ok(self.scene.shapes.len().saturating_sub(1))
+        Ok(self.scene.entries.len().saturating_sub(1))
     }
 
     /// Removes a shape, with the comments right before it. Its material stays.
     pub fn remove_shape(&mut self, index: usize) -> Result<bool, EditError> {
-        let name = format!("remove {}", kind(&item(&self.scene.shapes, index, "shape")?.geometry));
+        let name = format!("remove {}", kind_of(&self.scene, index)?);
         self.edit(&name, |toml, _| {
             lists::remove(toml, index);
             Ok(())
@@ -89,12 +106,12 @@ impl Document {
 
     /// Adds a copy of a shape in the same place and returns its index, which is the last.
     pub fn duplicate_shape(&mut self, index: usize) -> Result<usize, EditError> {
-        let name = format!("duplicate {}", kind(&item(&self.scene.shapes, index, "shape")?.geometry));
+        let name = format!("duplicate {}", kind_of(&self.scene, index)?);
         self.edit(&name, |toml, _| {
             lists::push_copy(toml, index);
             Ok(())
         })?;
-        Ok(self.scene.shapes.len().saturating_sub(1))
+        Ok(self.scene.entries.len().saturating_sub(1))
     }
 
     /// Changes the light from outside. A file without `[environment]` gets one when it is no longer black.
@@ -163,9 +180,27 @@ fn free_name(scene: &Scene, name: &str) -> String {
     names.find(|name| is_free(name)).unwrap_or_else(|| stem.to_string())
 }
 
+/// The key of a shape's geometry, counted as in the file.
+fn kind_of(scene: &Scene, index: usize) -> Result<&'static str, EditError> {
+    let entry = item(&scene.entries, index, "shape")?;
+    let other = || scene.shapes_of(index).first().map_or("shape", |shape| kind(&shape.geometry));
+    Ok(if entry.placement.is_some() { "mesh" } else { other() })
+}
+
+/// Names another material, or none.
+fn paint(shape: &mut Item, material: Option<&str>) {
+    match (material, tree::child(shape, "material")) {
+        (Some(name), Some(Item::Value(value))) => tree::replace(value, name.into()),
+        (Some(name), None) => tree::insert(shape, "material", name.into()),
+        (None, Some(_)) => tree::remove(shape, "material"),
+        _ => {}
+    }
+}
+
 /// What the change is called.
 fn change_of_shape(scene: &Scene, index: usize, new: &Geometry) -> Result<String, EditError> {
-    let old = &item(&scene.shapes, index, "shape")?.geometry;
+    item(&scene.entries, index, "shape")?;
+    let old = &item(scene.shapes_of(index), 0, "shape")?.geometry;
     let verb = if old == new {
         "paint"
     } else if fields::is_moved(old, new) {

@@ -1,6 +1,6 @@
 //! The parts of a scene as keys of the file: what each said, what it shall say, what its absence says.
 
-use raggio_scene::{Camera, Environment, Filter, Geometry, Material, Reflection, RenderSettings, Vec3};
+use raggio_scene::{Camera, Environment, Filter, Geometry, Material, Placement, Reflection, RenderSettings, Vec3};
 
 use crate::navigation::view_distance;
 
@@ -66,15 +66,48 @@ pub(super) fn environment(old: &Environment, new: &Environment) -> Vec<Field> {
     vec![
         field("color", old, new, Absent, |it| match it {
             Environment::Constant(color) => Vector(*color),
-            Environment::Gradient { .. } => Absent,
+            _ => Absent,
         }),
         field("horizon", old, new, Absent, |it| match it {
-            Environment::Constant(_) => Absent,
             Environment::Gradient { horizon, .. } => Vector(*horizon),
+            _ => Absent,
         }),
         field("zenith", old, new, Absent, |it| match it {
-            Environment::Constant(_) => Absent,
             Environment::Gradient { zenith, .. } => Vector(*zenith),
+            _ => Absent,
+        }),
+        // Its path is known to the file alone: an image can be taken away, but not be put there.
+        field("image", old, new, Absent, |it| match it {
+            Environment::Image { .. } => Datum::Word("an image"),
+            _ => Absent,
+        }),
+        field("rotation_degrees", old, new, of_image(new, 0.0), |it| match it {
+            Environment::Image { rotation_degrees, .. } => Datum::Number(*rotation_degrees),
+            _ => Absent,
+        }),
+        field("intensity", old, new, of_image(new, 1.0), |it| match it {
+            Environment::Image { intensity, .. } => Datum::Number(*intensity),
+            _ => Absent,
+        }),
+    ]
+}
+
+/// What the absence of a number means that only an image has.
+fn of_image(environment: &Environment, default: f32) -> Datum {
+    match environment {
+        Environment::Image { .. } => Datum::Number(default),
+        _ => Datum::Absent,
+    }
+}
+
+pub(super) fn placement(old: &Placement, new: &Placement) -> Vec<Field> {
+    use Datum::{Number, Vector};
+    vec![
+        field("translation", old, new, Vector(Vec3::ZERO), |it| Vector(it.translation)),
+        field("rotation_degrees", old, new, Vector(Vec3::ZERO), |it| Vector(it.rotation_degrees)),
+        field("scale", old, new, Number(1.0), |it| match it.scale.to_array() {
+            [x, y, z] if x == y && y == z => Number(x),
+            _ => Vector(it.scale),
         }),
     ]
 }
@@ -106,6 +139,7 @@ pub(super) fn kind(geometry: &Geometry) -> &'static str {
         Geometry::Plane { .. } => "plane",
         Geometry::Rectangle { .. } => "rectangle",
         Geometry::Box { .. } => "box",
+        Geometry::Mesh { .. } => "mesh",
     }
 }
 
@@ -127,6 +161,8 @@ fn data(geometry: &Geometry) -> Vec<(&'static str, Datum)> {
         Geometry::Box { center, size, rotation_degrees } => {
             vec![("center", Vector(center)), ("size", Vector(size)), ("rotation_degrees", Vector(rotation_degrees))]
         }
+        // Of a mesh the file says the placement.
+        Geometry::Mesh { .. } => vec![],
     }
 }
 
@@ -137,5 +173,5 @@ fn absent(key: &str) -> Datum {
 /// Whether one geometry is the other in another place.
 pub(super) fn is_moved(old: &Geometry, new: &Geometry) -> bool {
     // The place is the first key of every kind.
-    kind(old) == kind(new) && data(old)[1..] == data(new)[1..]
+    kind(old) == kind(new) && data(old).get(1..) == data(new).get(1..)
 }

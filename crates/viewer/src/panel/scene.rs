@@ -4,9 +4,10 @@ mod geometry;
 mod material;
 mod sky;
 
+use std::path::Path;
+
 use egui::{Color32, Rect, Rgba, ScrollArea, Sense, Ui, vec2};
-use raggio_render::bounds;
-use raggio_scene::{Geometry, Scene, Vec3};
+use raggio_scene::{Geometry, Material, Scene, Vec3};
 
 use crate::command::{Command, Edit, Navigate};
 use crate::fields::Fields;
@@ -26,7 +27,7 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Ve
         let row = viewer.selection.unwrap_or_default() as f32 * (row_height + ui.spacing().item_spacing.y);
         list = list.vertical_scroll_offset((row - height / 2.0).max(0.0));
     }
-    list.show_rows(ui, row_height, scene.shapes.len(), |ui, rows| {
+    list.show_rows(ui, row_height, scene.entries.len(), |ui, rows| {
         for shape in rows {
             entry(ui, viewer, shape, commands);
         }
@@ -40,7 +41,7 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Ve
         if ui.add_enabled(chosen, egui::Button::new("Delete")).on_hover_text("Delete").clicked() {
             commands.push(Command::RemoveSelected);
         }
-        if let Some(shape) = viewer.selection.filter(|&shape| go_to(ui, scene, shape)) {
+        if let Some(shape) = viewer.selection.filter(|_| go_to(ui, viewer)) {
             commands.push(Command::Navigate(Navigate::FocusOn(shape)));
         }
     });
@@ -55,19 +56,22 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Ve
 }
 
 /// A plane is everywhere: there is no going to it.
-fn go_to(ui: &mut Ui, scene: &Scene, shape: usize) -> bool {
-    let bounded = scene.shapes.get(shape).is_some_and(|shape| bounds(&shape.geometry).is_some());
-    ui.add_enabled(bounded, egui::Button::new("Go to")).on_hover_text("double click").clicked()
+fn go_to(ui: &mut Ui, viewer: &Viewer) -> bool {
+    ui.add_enabled(viewer.outline.is_some(), egui::Button::new("Go to")).on_hover_text("double click").clicked()
 }
 
-/// What a shape is called: its kind, and its place among all.
+/// What a shape is called: its kind or its file, and its place among all.
 pub fn shape_name(scene: &Scene, shape: usize) -> String {
-    let kind = match scene.shapes.get(shape).map(|shape| &shape.geometry) {
+    let placement = scene.entries.get(shape).and_then(|entry| entry.placement.as_ref());
+    if let Some(file) = placement.map(|placement| Path::new(&placement.file)) {
+        return format!("{} {shape}", file.file_name().unwrap_or_default().display());
+    }
+    let kind = match scene.shapes_of(shape).first().map(|shape| &shape.geometry) {
         Some(Geometry::Sphere { .. }) => "sphere",
         Some(Geometry::Plane { .. }) => "plane",
         Some(Geometry::Rectangle { .. }) => "rectangle",
         Some(Geometry::Box { .. }) => "box",
-        None => "shape",
+        Some(Geometry::Mesh { .. }) | None => "shape",
     };
     format!("{kind} {shape}")
 }
@@ -82,7 +86,7 @@ fn history(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         button(ui, "Undo", "Ctrl+Z", viewer.document.can_undo(), Command::Undo);
         button(ui, "Redo", "Ctrl+Shift+Z", viewer.document.can_redo(), Command::Redo);
-        let count = viewer.scene().shapes.len();
+        let count = viewer.scene().entries.len();
         ui.label(egui::RichText::new(format!("{count} {}", if count == 1 { "shape" } else { "shapes" })).weak());
     });
 }
@@ -90,13 +94,15 @@ fn history(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
 /// A line of the list: a swatch of the material, the shape's name, the material's name.
 fn entry(ui: &mut Ui, viewer: &Viewer, shape: usize, commands: &mut Vec<Command>) {
     let scene = viewer.scene();
-    let material = &scene.materials[scene.shapes[shape].material];
+    let material = scene.entries[shape].material.map(|material| &scene.materials[material]);
     ui.horizontal(|ui| {
         let (swatch, _) = ui.allocate_exact_size(vec2(12.0, 12.0), Sense::hover());
-        let shown = if material.is_emissive() { material.emission_color } else { material.color };
-        ui.painter().rect_filled(Rect::from_center_size(swatch.center(), vec2(12.0, 12.0)), 3.0, srgb(shown));
+        // A model's own materials have many colours.
+        if let Some(color) = material.map(swatch_color) {
+            ui.painter().rect_filled(Rect::from_center_size(swatch.center(), vec2(12.0, 12.0)), 3.0, srgb(color));
+        }
         let chosen = viewer.selection == Some(shape);
-        let text = format!("{}   {}", shape_name(scene, shape), material.name);
+        let text = format!("{}   {}", shape_name(scene, shape), material.map_or("its own", |it| &it.name));
         let response = ui.selectable_label(chosen, text);
         if response.clicked() {
             commands.push(Command::Select((!chosen).then_some(shape)));
@@ -106,6 +112,15 @@ fn entry(ui: &mut Ui, viewer: &Viewer, shape: usize, commands: &mut Vec<Command>
             commands.push(Command::Navigate(Navigate::FocusOn(shape)));
         }
     });
+}
+
+fn swatch_color(material: &Material) -> Vec3 {
+    match &material.principled {
+        Some(surface) if material.is_emissive() => surface.emissive.into(),
+        Some(surface) => surface.base_color.into(),
+        None if material.is_emissive() => material.emission_color,
+        None => material.color,
+    }
 }
 
 /// New shapes appear where the camera looks, in a size that shows.
@@ -122,7 +137,7 @@ fn add(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
         ("Rectangle", Geometry::Rectangle { corner: center - right - up, edge_u: 2.0 * right, edge_v: 2.0 * up }),
         ("Plane", Geometry::Plane { point: center, normal: Vec3::Y }),
     ];
-    let material = viewer.selection.map_or(0, |shape| scene.shapes[shape].material);
+    let material = viewer.selection.and_then(|shape| scene.entries[shape].material).unwrap_or(0);
     for (name, geometry) in kinds {
         if ui.button(name).clicked() {
             commands.push(Command::Edit(Edit::Add(geometry, material)));

@@ -1,6 +1,6 @@
 //! Changes of the scene.
 
-use raggio_scene::{Material, Reflection, Vec3};
+use raggio_scene::Material;
 
 use super::Viewer;
 use crate::command::Edit;
@@ -12,7 +12,7 @@ impl Viewer {
         // All that a hand does to one control until it lets go is one step to undo.
         match &edit {
             Edit::Material(index, _) => self.document.begin_gesture(&format!("material {index}")),
-            Edit::Shape(index, ..) => self.document.begin_gesture(&format!("shape {index}")),
+            Edit::Shape(index, ..) | Edit::Model(index, ..) => self.document.begin_gesture(&format!("shape {index}")),
             Edit::Environment(_) => self.document.begin_gesture("environment"),
             Edit::Render(_) => self.document.begin_gesture("render"),
             _ => self.document.end_gesture(),
@@ -22,12 +22,18 @@ impl Viewer {
             Ok(match edit {
                 Edit::Material(index, material) => document.set_material(index, &material)?,
                 Edit::NewMaterial { shape } => {
-                    let Some(current) = document.scene().shapes.get(shape).cloned() else { return Ok(false) };
-                    let material = document.scene().materials[current.material].clone();
+                    let scene = document.scene();
+                    let Some(current) = scene.shapes_of(shape).first().cloned() else { return Ok(false) };
+                    let placement = scene.entries[shape].placement.clone();
+                    let material = scene.materials[current.material].clone();
                     let copy = document.add_material(&material.name, &material)?;
-                    document.set_shape(shape, &current.geometry, copy)?
+                    match placement {
+                        Some(placement) => document.set_model(shape, &placement, Some(copy))?,
+                        None => document.set_shape(shape, &current.geometry, copy)?,
+                    }
                 }
                 Edit::Shape(index, geometry, material) => document.set_shape(index, &geometry, material)?,
+                Edit::Model(index, placement, material) => document.set_model(index, &placement, material)?,
                 Edit::Add(geometry, material) => {
                     if document.scene().materials.is_empty() {
                         document.add_material("clay", &clay())?;
@@ -41,7 +47,7 @@ impl Viewer {
                 Edit::Key(key, value) => document.edit_path(&key, &value)?,
             })
         })?;
-        self.selection = added.or(self.selection);
+        self.select(added.or(self.selection));
         Ok(())
     }
 
@@ -66,7 +72,8 @@ impl Viewer {
     }
 
     pub(super) fn remove_selected(&mut self) -> Result<(), ViewError> {
-        let Some(shape) = self.selection.take() else { return Ok(()) };
+        let Some(shape) = self.selection else { return Ok(()) };
+        self.select(None);
         self.change(|document| document.remove_shape(shape))
     }
 
@@ -77,7 +84,7 @@ impl Viewer {
             copy = Some(document.duplicate_shape(shape)?);
             Ok(true)
         })?;
-        self.selection = copy;
+        self.select(copy);
         Ok(())
     }
 
@@ -97,14 +104,16 @@ impl Viewer {
             self.pilot.jump(scene.camera.clone());
         }
         self.reading = None;
-        self.selection = self.selection.filter(|shape| *shape < scene.shapes.len());
         self.notices.warn_of_scene(&scene.warnings);
-        if let Err(error) = self.tracer.set_scene(scene, self.pilot.camera()) {
-            if !error.is_device_lost() {
-                self.document.undo();
-            }
-            return Err(error);
+        let shown = self.tracer.set_scene(scene, self.pilot.camera());
+        if let Err(error) = &shown
+            && !error.is_device_lost()
+        {
+            self.document.undo();
         }
+        self.select(self.selection);
+        self.watch_scene();
+        shown?;
         self.notices.forgive();
         Ok(())
     }
@@ -112,14 +121,5 @@ impl Viewer {
 
 /// For the first shape of a scene that has nothing to make it of.
 fn clay() -> Material {
-    Material {
-        name: "clay".into(),
-        color: Vec3::splat(0.8),
-        emission_color: Vec3::ONE,
-        emission_strength: 0.0,
-        smoothness: 0.0,
-        refractive_index: None,
-        reflection: Reflection::Fresnel,
-        priority: 0,
-    }
+    Material { name: "clay".into(), ..Material::default() }
 }

@@ -51,11 +51,12 @@ impl Viewer {
         if !self.watch.as_mut().is_some_and(Watch::changed) {
             return Ok(());
         }
-        if !self.document.changed_on_disk() {
+        let changed = self.document.changed_on_disk();
+        if !changed && !self.document.assets_changed() {
             self.notices.mended();
             return Ok(());
         }
-        if self.document.is_modified() {
+        if changed && self.document.is_modified() {
             let name = self.document.path().display();
             self.notices.warn(format!(
                 "{name} was changed by another program, and here too: F5 takes the file's version (Ctrl+Z brings yours \
@@ -94,14 +95,14 @@ impl Viewer {
             ));
             return Ok(());
         }
-        let document = Document::open(path)?;
+        let document = Document::open_with(path, self.document.assets().options())?;
         self.tracer.set_scene(document.scene(), &document.scene().camera)?;
         let preset = self.pilot.preset();
         self.pilot = Pilot::new(document.scene());
         self.pilot.set_preset(preset);
         self.fields = Fields::new(&document);
         self.document = document;
-        self.selection = None;
+        self.select(None);
         self.notices.forgive();
         self.watch_scene();
         self.notices.mended();
@@ -159,10 +160,18 @@ impl Viewer {
         }
     }
 
+    /// Notices when the scene's file changes, or one that it names.
     pub(super) fn watch_scene(&mut self) {
+        // What a link leads to is what changes; a scene made for a model has no file yet.
+        let scene = self.document.path().canonicalize().ok();
+        let mut files: Vec<PathBuf> = self.document.assets().files().map(PathBuf::from).chain(scene).collect();
+        files.sort();
+        if self.watch.as_ref().is_some_and(|watch| watch.watched() == files) {
+            return;
+        }
         let wake = self.wake.clone();
-        self.watch = Watch::file(self.document.path(), move || wake())
-            .inspect_err(|error| self.notices.warn(format!("changes of the scene's file are not noticed: {error}")))
+        self.watch = Watch::files(files, move || wake())
+            .inspect_err(|error| self.notices.warn(format!("changes of the scene's files are not noticed: {error}")))
             .ok();
     }
 }

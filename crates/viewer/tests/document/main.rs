@@ -5,6 +5,7 @@ mod files;
 mod forms;
 mod history;
 mod lists;
+mod models;
 mod paths;
 mod properties;
 mod values;

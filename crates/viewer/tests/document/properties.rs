@@ -1,7 +1,7 @@
 //! Whatever is done, the text says what the scene is, and undoing all of it gives the first text back.
 
 use proptest::prelude::*;
-use raggio_scene::{Environment, Geometry, Reflection, Vec3};
+use raggio_scene::{Environment, Geometry, Reflection, Shape, Vec3};
 use raggio_viewer::document::Document;
 
 use crate::{FORMS, check, document};
@@ -91,9 +91,10 @@ fn perform(it: &mut Document, act: &Act) -> bool {
             it.add_shape(&geometry, material).is_ok_and(|index| is_like(&it.scene().shapes[index].geometry, &geometry))
         }
         Act::Remove(index) => it.remove_shape(index).is_ok_and(|_| it.scene().shapes.len() + 1 == scene.shapes.len()),
-        Act::Duplicate(index) => {
-            it.duplicate_shape(index).is_ok_and(|copy| it.scene().shapes[copy] == it.scene().shapes[index])
-        }
+        Act::Duplicate(index) => it.duplicate_shape(index).is_ok_and(|copy| {
+            let copy = Shape { entry: index, ..it.scene().shapes[copy].clone() };
+            copy == it.scene().shapes[index]
+        }),
         Act::Environment(color, zenith) => {
             let environment = match zenith {
                 Some(zenith) => Environment::Gradient { horizon: color, zenith },

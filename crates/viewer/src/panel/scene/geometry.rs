@@ -1,16 +1,20 @@
 //! Where a shape is, and how large.
 
 use egui::Ui;
-use raggio_scene::{Geometry, Scene, Vec3};
+use raggio_scene::{Geometry, Placement, Scene, Vec3};
 
 use crate::command::{Command, Edit};
 use crate::panel::controls::{number, row, step, table, vector};
 
 /// Editor of one shape's numbers.
 pub fn show(ui: &mut Ui, scene: &Scene, index: usize, commands: &mut Vec<Command>) {
-    let shape = &scene.shapes[index];
-    let mut geometry = shape.geometry.clone();
     ui.strong(super::shape_name(scene, index));
+    let entry = &scene.entries[index];
+    if let Some(placement) = &entry.placement {
+        return self::placement(ui, placement, index, entry.material, commands);
+    }
+    let Some(shape) = scene.shapes_of(index).first() else { return };
+    let mut geometry = shape.geometry.clone();
     table(ui, "geometry", |ui| match &mut geometry {
         Geometry::Sphere { center, radius } => {
             let speed = step(*radius);
@@ -40,9 +44,42 @@ pub fn show(ui: &mut Ui, scene: &Scene, index: usize, commands: &mut Vec<Command
             }
             row(ui, "rotation", |ui| vector(ui, rotation_degrees, 0.5));
         }
+        // It has a placement.
+        Geometry::Mesh { .. } => {}
     });
     if geometry != shape.geometry {
         commands.push(Command::Edit(Edit::Shape(index, geometry, shape.material)));
+    }
+}
+
+/// Where a model stands.
+fn placement(ui: &mut Ui, old: &Placement, index: usize, material: Option<usize>, commands: &mut Vec<Command>) {
+    let mut new = old.clone();
+    table(ui, "placement", |ui| {
+        row(ui, "file", |ui| ui.label(&old.file));
+        let speed = step(old.translation.length().max(1.0));
+        row(ui, "translation", |ui| vector(ui, &mut new.translation, speed));
+        row(ui, "rotation", |ui| vector(ui, &mut new.rotation_degrees, 0.5));
+        row(ui, "scale", |ui| scale(ui, &mut new.scale));
+    });
+    if new != *old {
+        commands.push(Command::Edit(Edit::Model(index, new, material)));
+    }
+}
+
+/// One number for all axes, and one for each; none becomes 0.
+fn scale(ui: &mut Ui, scale: &mut Vec3) {
+    let old = *scale;
+    let speed = step(old.abs().max_element());
+    ui.vertical(|ui| {
+        let mut largest = old.max_element();
+        if number(ui, &mut largest, speed, 1e-6..=1e9).changed() && old.max_element() > 0.0 {
+            *scale = old * (largest / old.max_element());
+        }
+        vector(ui, scale, speed);
+    });
+    if scale.to_array().contains(&0.0) {
+        *scale = old;
     }
 }
 

@@ -1,7 +1,7 @@
 //! What a shape is made of.
 
 use egui::{ComboBox, DragValue, Slider, SliderClamping, Ui};
-use raggio_scene::{Material, Reflection, Scene};
+use raggio_scene::{Geometry, Material, Principled, Reflection, Scene, Texture};
 
 use crate::command::{Command, Edit};
 use crate::panel::controls::{color, number, row, table};
@@ -11,28 +11,103 @@ const GLASS: f32 = 1.5;
 
 /// The material of a shape: which, and what it is like.
 pub fn show(ui: &mut Ui, scene: &Scene, shape: usize, commands: &mut Vec<Command>) {
-    let current = &scene.shapes[shape];
-    let mut index = current.material;
+    let current = scene.entries[shape].material;
+    let mut chosen = current;
     ui.horizontal(|ui| {
         ui.strong("material");
-        ComboBox::from_id_salt("material").selected_text(&scene.materials[index].name).show_ui(ui, |ui| {
-            for (i, material) in scene.materials.iter().enumerate() {
-                ui.selectable_value(&mut index, i, &material.name);
-            }
-        });
-        if ui.button("New").on_hover_text("a copy of this material, for this shape alone").clicked() {
+        choice(ui, scene, scene.entries[shape].placement.is_some(), &mut chosen);
+        // A copy of any other kind would have to be written by hand.
+        let plain = current.is_some_and(|index| scene.materials[index].principled.is_none());
+        let button = ui.add_enabled(plain, egui::Button::new("New"));
+        if button.on_hover_text("a copy of this material, for this shape alone").clicked() {
             commands.push(Command::Edit(Edit::NewMaterial { shape }));
         }
     });
-    if index != current.material {
-        commands.push(Command::Edit(Edit::Shape(shape, current.geometry.clone(), index)));
+    if chosen != current {
+        commands.extend(painted(scene, shape, chosen).map(Command::Edit));
         return;
+    }
+    let Some(index) = current else { return own_materials(ui, scene, shape) };
+    if let Some(surface) = &scene.materials[index].principled {
+        return summary(ui, "principled", surface);
     }
     let mut material = scene.materials[index].clone();
     table(ui, "material", |ui| fields(ui, &mut material));
     if material != scene.materials[index] {
         commands.push(Command::Edit(Edit::Material(index, material)));
     }
+}
+
+const ITS_OWN: &str = "its own";
+
+/// Those of the scene's file; a model may have its own instead.
+fn choice(ui: &mut Ui, scene: &Scene, is_model: bool, chosen: &mut Option<usize>) {
+    let name = chosen.map_or(ITS_OWN, |index| &scene.materials[index].name);
+    ComboBox::from_id_salt("material").selected_text(name).show_ui(ui, |ui| {
+        if is_model {
+            ui.selectable_value(chosen, None, ITS_OWN);
+        }
+        for (index, material) in scene.materials.iter().enumerate().filter(|(_, material)| !material.imported) {
+            ui.selectable_value(chosen, Some(index), &material.name);
+        }
+    });
+}
+
+fn painted(scene: &Scene, shape: usize, material: Option<usize>) -> Option<Edit> {
+    match (&scene.entries[shape].placement, material) {
+        (Some(placement), material) => Some(Edit::Model(shape, placement.clone(), material)),
+        (None, Some(material)) => {
+            let geometry = scene.shapes_of(shape).first()?.geometry.clone();
+            Some(Edit::Shape(shape, geometry, material))
+        }
+        (None, None) => None,
+    }
+}
+
+/// They come with the file, and are changed there.
+fn own_materials(ui: &mut Ui, scene: &Scene, shape: usize) {
+    let firsts = scene.shapes_of(shape).iter().filter_map(|shape| match &shape.geometry {
+        Geometry::Mesh { mesh, first_material: Some(first), .. } => Some((mesh, *first)),
+        _ => None,
+    });
+    let mut used: Vec<usize> = firsts
+        .take(MOST_LISTED)
+        .flat_map(|(mesh, first)| mesh.parts.iter().filter_map(move |part| Some(first + part.material?)))
+        .collect();
+    used.sort_unstable();
+    used.dedup();
+    for index in used.iter().take(MOST_LISTED) {
+        if let Some(Material { name, principled: Some(surface), .. }) = scene.materials.get(*index) {
+            ui.collapsing(name, |ui| summary(ui, name, surface));
+        }
+    }
+    if used.len() > MOST_LISTED {
+        ui.weak(format!("and {} more", used.len() - MOST_LISTED));
+    }
+}
+
+/// A longer list would help nobody.
+const MOST_LISTED: usize = 32;
+
+/// What is seen of a material that cannot be changed here.
+fn summary(ui: &mut Ui, id: &str, surface: &Principled) {
+    table(ui, id, |ui| {
+        let mut line = |name: &str, value: String| row(ui, name, |ui| ui.label(value));
+        let textured = |texture: &Option<Texture>| if texture.is_some() { " × texture" } else { "" };
+        let [r, g, b] = surface.base_color;
+        line("base color", format!("{r:.3} {g:.3} {b:.3}{}", textured(&surface.base_color_texture)));
+        let both = textured(&surface.metallic_roughness_texture);
+        line("metallic", format!("{:.3}{both}", surface.metallic));
+        line("roughness", format!("{:.3}{both}", surface.roughness));
+        if surface.transmission > 0.0 {
+            line("transmission", format!("{:.3}{}", surface.transmission, textured(&surface.transmission_texture)));
+            line("ior", format!("{:.3}", surface.ior));
+        }
+        if surface.emissive != [0.0; 3] {
+            let [r, g, b] = surface.emissive;
+            line("emissive", format!("{r:.3} {g:.3} {b:.3}{}", textured(&surface.emissive_texture)));
+        }
+    });
 }
 
 fn fields(ui: &mut Ui, material: &mut Material) {

@@ -4,7 +4,7 @@ use egui::Ui;
 use raggio_scene::{Environment, Scene, Vec3};
 
 use crate::command::{Command, Edit};
-use crate::panel::controls::{radiance, row, table};
+use crate::panel::controls::{number, radiance, row, table};
 
 /// Editor of the sky.
 pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
@@ -14,13 +14,19 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         let horizon = match environment {
             Environment::Constant(radiance) => radiance,
             Environment::Gradient { horizon, .. } => horizon,
+            Environment::Image { .. } => Vec3::ONE,
         };
         let constant = matches!(environment, Environment::Constant(_));
         if ui.selectable_label(constant, "constant").clicked() && !constant {
             environment = Environment::Constant(horizon);
         }
-        if ui.selectable_label(!constant, "gradient").clicked() && constant {
+        let gradient = matches!(environment, Environment::Gradient { .. });
+        if ui.selectable_label(gradient, "gradient").clicked() && !gradient {
             environment = Environment::Gradient { horizon, zenith: horizon * Vec3::new(0.5, 0.7, 1.0) };
+        }
+        // Which image is for the file to say.
+        if matches!(environment, Environment::Image { .. }) {
+            let _ = ui.selectable_label(true, "image");
         }
     });
     table(ui, "sky", |ui| match &mut environment {
@@ -30,6 +36,10 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         Environment::Gradient { horizon, zenith } => {
             row(ui, "horizon", |ui| radiance(ui, horizon));
             row(ui, "zenith", |ui| radiance(ui, zenith));
+        }
+        Environment::Image { rotation_degrees, intensity, .. } => {
+            row(ui, "rotation", |ui| number(ui, rotation_degrees, 0.5, -360.0..=360.0));
+            row(ui, "intensity", |ui| number(ui, intensity, 0.01, 0.0..=1e9));
         }
     });
     if environment != scene.environment {
