@@ -24,8 +24,12 @@ impl TestDevice {
 
     /// Evaluates a function of the kernels in `scene`; as many questions as one likes.
     pub fn ask(&self, scene: &Scene, probe: Probe, questions: &[Question]) -> Vec<Answer> {
-        let device_scene = DeviceScene::new(scene).expect("the scene fits devices");
-        let mut session = self.device.load(&device_scene).expect("the scene loads");
+        self.ask_in(&DeviceScene::new(scene).expect("the scene fits devices"), probe, questions)
+    }
+
+    /// The same in a scene that has been translated.
+    pub fn ask_in(&self, scene: &DeviceScene, probe: Probe, questions: &[Question]) -> Vec<Answer> {
+        let mut session = self.device.load(scene).expect("the scene loads");
         questions
             .chunks(PROBES_AT_ONCE)
             .flat_map(|chunk| session.ask(probe, chunk).expect("the probe answers"))

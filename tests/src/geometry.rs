@@ -68,6 +68,7 @@ impl Ray {
 /// All crossings of `ray` with `shape`, in no order, also behind its origin.
 pub fn events(shape: &Geometry, ray: &Ray) -> Vec<Event> {
     match *shape {
+        Geometry::Mesh { .. } => unreachable!("meshes are compared with trial of every triangle"),
         Geometry::Sphere { center, radius } => sphere(center.as_dvec3(), f64::from(radius), ray),
         Geometry::Plane { point, normal } => plane(point.as_dvec3(), normal.as_dvec3(), ray).into_iter().collect(),
         Geometry::Rectangle { corner, edge_u, edge_v } => {
@@ -120,6 +121,7 @@ pub fn check(shape: &Geometry, ray: &Ray, found: Option<Found>) -> Result<Agreem
 /// The largest of the numbers that describe a shape.
 fn extent(shape: &Geometry) -> f64 {
     match *shape {
+        Geometry::Mesh { .. } => unreachable!("meshes are compared with trial of every triangle"),
         Geometry::Sphere { center, radius } => center.as_dvec3().abs().max_element() + f64::from(radius),
         Geometry::Plane { point, .. } => point.as_dvec3().abs().max_element(),
         Geometry::Rectangle { corner, edge_u, edge_v } => {

@@ -6,8 +6,17 @@ use std::path::Path;
 use crate::slang::Modules;
 use crate::slangc::ENTRY_POINTS;
 
-/// Name in Rust, suffix of symbols, compiler flag; the most capable first.
-fn levels() -> &'static [(&'static str, &'static str, Option<&'static str>)] {
+/// Name in Rust, suffix of symbols, compiler flag.
+type Level = (&'static str, &'static str, Option<&'static str>);
+
+/// The most capable first. `RAGGIO_KERNEL_LEVEL=v3`, say, builds one alone, which is quicker while kernels are written.
+fn levels() -> Vec<Level> {
+    println!("cargo:rerun-if-env-changed=RAGGIO_KERNEL_LEVEL");
+    let only = std::env::var("RAGGIO_KERNEL_LEVEL").ok();
+    all_levels().iter().copied().filter(|level| only.as_deref().is_none_or(|only| level.1 == only)).collect()
+}
+
+fn all_levels() -> &'static [Level] {
     match std::env::var("CARGO_CFG_TARGET_ARCH").as_deref() {
         Ok("x86_64") => &[
             ("X86V4", "v4", Some("-march=x86-64-v4")),
@@ -29,15 +38,47 @@ pub fn compile(modules: &Modules, out: &Path) -> Result<(), String> {
     for (_, suffix, flag) in levels() {
         let unit = out.join(format!("kernels_{suffix}.cpp"));
         write(&unit, &translation_unit(suffix))?;
-        compile_unit(&unit, out, suffix, *flag)?;
+        compile_unit(&unit, out, suffix, flag)?;
     }
     write(&out.join("cpu_table.rs"), &table())
 }
 
-/// Every function into its callers, which doubles the speed: the vectors of the generated code stay in registers.
+/// Functions, by how their names begin, that are long and called from several places: a call costs little beside what
+/// they do, and a copy for every caller costs minutes of the C++ compiler's time.
+const CALLED: [&str; 15] = [
+    "fitted",
+    "PrincipledBsdf_evaluate",
+    "PrincipledBsdf_x24init",
+    "PrincipledFresnel_split",
+    "principledClosure",
+    "attributesAt",
+    "shapeAttributes",
+    "triangleIsThere",
+    "firstThere",
+    "traceClosest_",
+    "traceClosestBruteForce",
+    "occluded",
+    "nextVertex",
+    "Bsdf_look",
+    "ask",
+];
+
+/// Every other function into its callers, which doubles the speed: the vectors of the generated code stay in registers.
 /// slangc exports the constructors it makes up; they become local like the rest, or the levels' symbols would collide.
 fn inlined(kernels: &str) -> String {
-    kernels.replace("extern \"C\"\n", "static ").replace("\nstatic ", "\nstatic inline __attribute__((always_inline)) ")
+    let mut text = String::with_capacity(2 * kernels.len());
+    for line in kernels.replace("extern \"C\"\n", "static ").lines() {
+        let Some(declaration) = line.strip_prefix("static ") else {
+            text += line;
+            text.push('\n');
+            continue;
+        };
+        let name = declaration.split('(').next().and_then(|head| head.rsplit([' ', '*']).next()).unwrap_or_default();
+        let called = CALLED.iter().any(|start| name.starts_with(start));
+        let kind = if called { "noinline" } else { "always_inline" };
+        let _ = writeln!(text, "static {}__attribute__(({kind})) {declaration}", if called { "" } else { "inline " });
+    }
+    text
 }
 
 fn translation_unit(suffix: &str) -> String {

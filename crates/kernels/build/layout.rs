@@ -144,14 +144,14 @@ fn rust_type(kind: &Value) -> Result<String, String> {
 /// The scene as the host fills it: one vector for each buffer.
 fn scene_buffers(buffers: &[Buffer]) -> Result<String, String> {
     let mut text = String::from(
-        "/// A scene as the kernels see it: a vector for each of their buffers.\n#[derive(Clone, Debug, Default, PartialEq)]\npub struct SceneBuffers {\n",
+        "/// A scene as the kernels see it: a vector for each of their buffers. Scenes may share them.\n#[derive(Clone, Debug, Default, PartialEq)]\npub struct SceneBuffers {\n",
     );
     let mut slices = String::new();
     for Buffer { name, element, .. } in buffers {
-        let _ = writeln!(text, "    pub {name}: Vec<{}>,", rust_type(element)?);
+        let _ = writeln!(text, "    pub {name}: Arc<Vec<{}>>,", rust_type(element)?);
         let _ = writeln!(
             slices,
-            "            BufferBytes {{ name: \"{name}\", bytes: bytemuck::cast_slice(&self.{name}), count: self.{name}.len(), stride: std::mem::size_of::<{}>() }},",
+            "            BufferBytes {{ name: \"{name}\", bytes: bytemuck::cast_slice(self.{name}.as_slice()), count: self.{name}.len(), stride: std::mem::size_of::<{}>() }},",
             rust_type(element)?
         );
     }

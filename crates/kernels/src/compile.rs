@@ -9,6 +9,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use crate::Spirv;
 use declarations::Declarations;
 
 /// The folder of the kernels that this program was built with, as it was called then.
@@ -28,7 +29,7 @@ pub enum CompileError {
 /// Compiles the kernels in `folder` as the build does: the unchanged ones become [`SPIRV`](crate::SPIRV).
 ///
 /// What they share with the host must be as it was when this program was built.
-pub fn spirv(folder: &Path) -> Result<Vec<u8>, CompileError> {
+pub fn spirv(folder: &Path) -> Result<Spirv, CompileError> {
     let (code, shared) = compile(folder).map_err(CompileError::Failed)?;
     let reflection = include_str!(concat!(env!("OUT_DIR"), "/kernels.json"));
     let declarations = include_str!(concat!(env!("OUT_DIR"), "/declarations.txt"));
@@ -42,7 +43,7 @@ pub fn spirv(folder: &Path) -> Result<Vec<u8>, CompileError> {
 }
 
 /// SPIR-V, and what its kernels share with the host.
-fn compile(folder: &Path) -> Result<(Vec<u8>, Vec<String>), String> {
+fn compile(folder: &Path) -> Result<(Spirv, Vec<String>), String> {
     let unreadable = |e: std::io::Error| format!("cannot read the kernels in {}: {e}", folder.display());
     let kernels = folder.canonicalize().map_err(unreadable)?;
     // The build has warned of an untested version; one that lays out differently is found by the comparison.
@@ -52,10 +53,11 @@ fn compile(folder: &Path) -> Result<(Vec<u8>, Vec<String>), String> {
     let output = room.path().join("kernels.spv");
     slangc::compile_spirv(&slangc, &kernels, &output)?;
     let lost = |e: std::io::Error| format!("cannot read what slangc wrote: {e}");
-    let code = std::fs::read(&output).map_err(lost)?;
+    let full = std::fs::read(&output).map_err(lost)?.into();
+    let simple = std::fs::read(slangc::simple_path(&output)).map_err(lost)?.into();
     let reflection = std::fs::read_to_string(output.with_extension("json")).map_err(lost)?;
     let shared = shared_with_host(&reflection, &Declarations::read(&kernels)?.text())?;
-    Ok((code, shared))
+    Ok((Spirv { full, simple }, shared))
 }
 
 /// Structures, parameters, entry points, enumerations and constants, a line each: the name, a colon, all there is to know.

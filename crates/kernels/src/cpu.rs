@@ -4,7 +4,7 @@
 
 use crate::{
     BrokenScene, Comparison, EntryPoint, FILM_WORD, FilmPixel, INPUT_WORD, OUTPUT_WORD, SCENE_WORD, SCENE_WORDS,
-    SceneBuffers, SceneCounts, WORK_WORD, Work,
+    SceneBuffers, WORK_WORD, Work,
 };
 
 /// Levels of instruction set that kernels are compiled for; all give the same bits.
@@ -85,17 +85,10 @@ impl CpuScene {
         Ok(Self { buffers })
     }
 
-    /// Looks at the same shapes from another camera: takes over what [`VIEW_BUFFERS`] names.
-    pub fn set_view(&mut self, from: &SceneBuffers) -> Result<(), BrokenScene> {
-        from.check_view()?;
-        let same =
-            |a: &SceneCounts, b: &SceneCounts| (a.shapes, a.nodes, a.unbounded) == (b.shapes, b.nodes, b.unbounded);
-        if !same(&self.buffers.counts[0], &from.counts[0]) {
-            return Err(BrokenScene::new("another view has other shapes"));
-        }
-        self.buffers.camera.clone_from(&from.camera);
-        self.buffers.camera_media.clone_from(&from.camera_media);
-        self.buffers.counts.clone_from(&from.counts);
+    /// The same for another scene: what it shares with this one is not checked again.
+    pub fn renew(&mut self, buffers: SceneBuffers) -> Result<(), BrokenScene> {
+        buffers.check_after(&self.buffers)?;
+        self.buffers = buffers;
         Ok(())
     }
 

@@ -8,10 +8,24 @@ mod film;
 mod layout;
 mod view;
 
+use std::borrow::Cow;
+
 pub use layout::*;
 
-/// The SPIR-V module with all entry points (Vulkan 1.2, scalar block layout).
-pub const SPIRV: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/kernels.spv"));
+/// SPIR-V modules with all entry points (Vulkan 1.2, scalar block layout), in both variants of `kernels/variant.slang`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Spirv {
+    /// For any scene.
+    pub full: Cow<'static, [u8]>,
+    /// For scenes without principled materials and lights without size.
+    pub simple: Cow<'static, [u8]>,
+}
+
+/// What the program was built with.
+pub const SPIRV: Spirv = Spirv {
+    full: Cow::Borrowed(include_bytes!(concat!(env!("OUT_DIR"), "/kernels.spv"))),
+    simple: Cow::Borrowed(include_bytes!(concat!(env!("OUT_DIR"), "/kernels.simple.spv"))),
+};
 
 /// Threads in a workgroup of the image kernels, in x and y.
 pub const IMAGE_GROUP: u32 = 8;

@@ -1,6 +1,6 @@
 //! What the views of the display kernel look at.
 
-use crate::{Feature, View};
+use crate::{Feature, Probe, View};
 
 impl View {
     /// The film that it is meant for.
@@ -24,5 +24,12 @@ impl View {
             Self::Samples => Some(format!("samples: 0 to {scale}")),
             Self::Variance => Some("relative standard error of the luminance: 0.1 % to 100 %, logarithmic".into()),
         }
+    }
+}
+
+impl Probe {
+    /// Whether only the kernels for any scene answer it.
+    pub fn is_full(self) -> bool {
+        matches!(self, Self::PrincipledEval | Self::PrincipledSample)
     }
 }

@@ -1,14 +1,24 @@
 //! Axis-aligned boxes around shapes.
 
-use glam::{DVec3, Vec3};
-use raggio_scene::{Geometry, rotation};
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3, Vec3};
+use raggio_scene::{Geometry, Mesh, rotation};
+
+use crate::hierarchy::Bounds;
 
 /// Lower and upper corner of a box that contains `geometry` with room for rounding; `None` if it has no bounds.
 pub fn bounds(geometry: &Geometry) -> Option<(Vec3, Vec3)> {
-    let (lower, upper) = match *geometry {
+    shape_bounds(geometry, mesh_bounds).map(|Bounds(lower, upper)| (lower, upper))
+}
+
+/// The same, where the bounds of meshes are known.
+pub(crate) fn shape_bounds(geometry: &Geometry, mesh_bounds: impl FnOnce(&Arc<Mesh>) -> Bounds) -> Option<Bounds> {
+    let mut rounding = 8.0 * f64::from(f32::EPSILON);
+    let (lower, upper) = match geometry {
         Geometry::Plane { .. } => return None,
         Geometry::Sphere { center, radius } => {
-            let (center, radius) = (center.as_dvec3(), DVec3::splat(f64::from(radius)));
+            let (center, radius) = (center.as_dvec3(), DVec3::splat(f64::from(*radius)));
             (center - radius, center + radius)
         }
         Geometry::Rectangle { corner, edge_u, edge_v } => {
@@ -17,13 +27,41 @@ pub fn bounds(geometry: &Geometry) -> Option<(Vec3, Vec3)> {
             (a + u.min(zero) + v.min(zero), a + u.max(zero) + v.max(zero))
         }
         Geometry::Box { center, size, rotation_degrees } => {
-            let axes = rotation(rotation_degrees);
+            let axes = rotation(*rotation_degrees);
             let half = size.as_dvec3() * 0.5;
             let reach = axes.x_axis.abs() * half.x + axes.y_axis.abs() * half.y + axes.z_axis.abs() * half.z;
             (center.as_dvec3() - reach, center.as_dvec3() + reach)
         }
+        Geometry::Mesh { mesh, world_from_mesh, .. } => {
+            let Bounds(lower, upper) = mesh_bounds(mesh);
+            let center = world_from_mesh.transform_point3((lower.as_dvec3() + upper.as_dvec3()) * 0.5);
+            let half = (upper.as_dvec3() - lower.as_dvec3()) * 0.5;
+            let axes = world_from_mesh.matrix3;
+            let reach = axes.x_axis.abs() * half.x + axes.y_axis.abs() * half.y + axes.z_axis.abs() * half.z;
+            let scale = f64::from(instance_scale(Bounds(lower, upper), world_from_mesh));
+            rounding = rounding.max(rounding * scale / (center.abs() + reach).max_element());
+            (center - reach, center + reach)
+        }
     };
     // As the kernels round positions: in proportion to the largest number involved.
-    let room = DVec3::splat(8.0 * f64::from(f32::EPSILON) * lower.abs().max(upper.abs()).max_element());
-    Some(((lower - room).as_vec3(), (upper + room).as_vec3()))
+    let room = DVec3::splat(rounding * lower.abs().max(upper.abs()).max_element());
+    Some(Bounds((lower - room).as_vec3(), (upper + room).as_vec3()))
+}
+
+/// Around all vertices that a triangle uses.
+pub(crate) fn mesh_bounds(mesh: &Arc<Mesh>) -> Bounds {
+    let corners = mesh.triangles.iter().flatten().map(|&index| Vec3::from(mesh.positions[index as usize]));
+    corners.fold(Bounds::EMPTY, |Bounds(lower, upper), p| Bounds(lower.min(p), upper.max(p)))
+}
+
+/// What the rounding errors of points of an instance are proportional to: the sum of the numbers that a coordinate is
+/// computed from, times what a map and its inverse make of a rounding error between them.
+pub(crate) fn instance_scale(Bounds(lower, upper): Bounds, world_from_mesh: &DAffine3) -> f32 {
+    let farthest = lower.as_dvec3().abs().max(upper.as_dvec3().abs());
+    let map = world_from_mesh.matrix3.abs();
+    let sum = map * farthest + world_from_mesh.translation.abs();
+    let both = map * world_from_mesh.matrix3.inverse().abs();
+    // Turns alone come to less than 3.
+    let stretch = ((both * DVec3::ONE).max_element() / 3.0).max(1.0);
+    (sum.max_element() * stretch) as f32
 }

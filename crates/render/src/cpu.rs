@@ -8,7 +8,7 @@ use raggio_kernels::{EntryPoint, Feature, FilmPixel, Probe, Work};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
-use crate::device::{Answer, Change, Device, DeviceError, DeviceInfo, Pixels, Question, Session};
+use crate::device::{Answer, Device, DeviceError, DeviceInfo, Pixels, Question, Session};
 use crate::device_scene::DeviceScene;
 use crate::display::{Display, display_rows, reference_pixels};
 use crate::film::Film;
@@ -133,11 +133,8 @@ impl Session for CpuSession {
         Ok(())
     }
 
-    fn restart(&mut self, scene: &DeviceScene, change: Change) -> Result<(), DeviceError> {
-        match change {
-            Change::View => self.scene.set_view(&scene.buffers)?,
-            Change::Scene => self.scene = CpuScene::new(scene.buffers.clone())?,
-        }
+    fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
+        self.scene.renew(scene.buffers.clone())?;
         if (self.work.width, self.work.height) != (scene.work.width, scene.work.height) {
             self.reference = vec![];
         }

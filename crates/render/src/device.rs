@@ -41,9 +41,9 @@ pub trait Session {
     /// Adds the samples `samples` to the pixels of `rows`, and waits for them.
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError>;
 
-    /// Begins anew with another camera, resolution or settings, and films without samples; `scene` must have the shapes
-    /// and materials of the one that was loaded. With another resolution the reference is gone.
-    fn restart(&mut self, scene: &DeviceScene, change: Change) -> Result<(), DeviceError>;
+    /// Begins anew with another scene, camera, resolution or settings, and films without samples. Buffers that `scene`
+    /// shares with the one before stay where they are. With another resolution the reference is gone.
+    fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError>;
 
     /// What films of radiance are [compared](Display::comparison) with from now on; in the film's size.
     fn set_reference(&mut self, reference: Option<&Image>) -> Result<(), DeviceError>;
@@ -67,15 +67,6 @@ pub trait Session {
 
     /// How long one call of [`Session::add_samples`] may take without harm, in seconds.
     fn patience_seconds(&self) -> f64;
-}
-
-/// What differs from the scene that a session has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Change {
-    /// The camera and the settings alone: nothing large is sent to the device.
-    View,
-    /// Anything.
-    Scene,
 }
 
 /// Displayable pixels, 0xAABBGGRR in sRGB, row by row from the top left.

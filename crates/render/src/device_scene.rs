@@ -1,17 +1,27 @@
 //! The one translator from a scene to what kernels read.
 
+mod materials;
+mod shapes;
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
 use glam::{DMat4, DVec4, Vec3};
 use raggio_kernels::{
-    Box as DeviceBox, Camera as DeviceCamera, CameraMedium, MAX_NESTED_MEDIA, Material as DeviceMaterial, Plane,
-    Rectangle, SceneBuffers, SceneCounts, ShapeKind, ShapeReference, Sky, Sphere, Work,
+    BvhNode, Camera as DeviceCamera, CameraMedium, Light as DeviceLight, LightKind as DeviceLightKind,
+    MAX_NESTED_MEDIA, MAX_TEXTURE_SIDE, NO_TEXTURE, SceneBuffers, SceneCounts, Sky, Work,
 };
 use raggio_scene::{
-    Camera, Environment, Filter, Geometry, Material, Reflection, RenderSettings, Scene, Shape, rotation,
+    Camera, Environment, Filter, Geometry, Light, LightKind, Mesh, RenderSettings, Scene, Texture, Wrap,
 };
 
-use crate::bounds::bounds;
-use crate::hierarchy::Hierarchy;
+use crate::bounds::shape_bounds;
+use crate::device_scene::materials::Materials;
+use crate::device_scene::shapes::Shapes;
+use crate::hierarchy::{Bounds, Hierarchy, moved};
 use crate::media::media_around;
+use crate::meshes::Meshes;
+use crate::textures::{ColorSpace, TextureTable};
 
 /// A scene as flat buffers, and the settings that every dispatch repeats.
 #[derive(Clone, Debug)]
@@ -22,10 +32,12 @@ pub struct DeviceScene {
     pub work: Work,
     /// For each place in `buffers.order`, the shape's index in the scene.
     pub shape_of_place: Vec<u32>,
+    meshes: Meshes,
+    textures: TextureTable,
 }
 
 /// A scene that no device can hold.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TranslationError {
     /// More bodies around the camera than a path remembers.
     #[error("the camera is inside {found} dielectric bodies at once, and a path can remember {limit}")]
@@ -35,44 +47,109 @@ pub enum TranslationError {
         /// How many there may be.
         limit: usize,
     },
+    /// Lists over triangles are numbered in 32 bits.
+    #[error("the meshes of this scene have more than 4 billion triangles, nodes or words of vertex data together")]
+    TooManyTriangles,
+    /// More texels than kernels can address.
+    #[error(
+        "the scene's images take {needed_gib:.1} GiB in all, and kernels can address {limit_gib:.0} GiB: use fewer or smaller ones"
+    )]
+    TooManyTexels {
+        /// What they would take.
+        needed_gib: f64,
+        /// What there may be.
+        limit_gib: f64,
+    },
+    /// A side of an image that floats cannot address.
+    #[error("an image of {width} x {height} texels is too large: a side may have {MAX_TEXTURE_SIDE}")]
+    ImageTooLarge {
+        /// Texels across.
+        width: u32,
+        /// Texels down.
+        height: u32,
+    },
 }
 
 impl DeviceScene {
     /// Translates `scene`.
     pub fn new(scene: &Scene) -> Result<Self, TranslationError> {
-        let mut buffers = SceneBuffers {
-            camera: vec![device_camera(&scene.camera, &scene.render)],
-            sky: vec![device_sky(&scene.environment)],
-            materials: scene.materials.iter().map(device_material).collect(),
-            ..SceneBuffers::default()
+        let mut translated = Self {
+            buffers: SceneBuffers::default(),
+            work: Work::default(),
+            shape_of_place: vec![],
+            meshes: Meshes::default(),
+            textures: TextureTable::default(),
         };
-        let references: Vec<_> = scene.shapes.iter().map(|shape| add_shape(&mut buffers, shape)).collect();
+        translated.update(scene)?;
+        Ok(translated)
+    }
 
-        // Shapes without bounds come first, for they are tried one by one; the others in the order of the leaves.
+    /// Translates another scene. Lists over meshes that both have stay what they are, and where shapes have only moved
+    /// their hierarchy is refitted.
+    ///
+    /// # Errors
+    /// As [`DeviceScene::new`]; what this was is lost then.
+    pub fn update(&mut self, scene: &Scene) -> Result<(), TranslationError> {
+        self.meshes.hold(&meshes_of(scene))?;
+        let old = std::mem::take(&mut self.buffers);
+        self.meshes.share(&mut self.buffers);
+        self.textures.begin();
+        self.buffers.sky = vec![device_sky(&scene.environment, &mut self.textures)?].into();
+        let materials = Materials::new(&scene.materials, &mut self.textures)?;
+        let absorbing = materials.absorbing();
+        self.buffers.materials = materials.materials.into();
+        self.buffers.principled = materials.principled.into();
+        (self.buffers.textures, self.buffers.texels) = self.textures.finish();
+        self.buffers.lights = Arc::new(scene.lights.iter().map(device_light).collect());
+        let mut shapes = Shapes::new(&scene.materials);
+        let references: Vec<_> = scene.shapes.iter().map(|shape| shapes.add(shape, &self.meshes)).collect();
+        shapes.share(&mut self.buffers);
+
+        let boxes: Vec<_> = scene.shapes.iter().map(|shape| self.bounds(&shape.geometry)).collect();
+        self.arrange(&boxes, &old.nodes);
+        self.buffers.order = Arc::new(self.shape_of_place.iter().map(|&i| references[i as usize]).collect());
+        for counts in Arc::make_mut(&mut self.buffers.counts) {
+            counts.lights = scene.lights.len() as u32;
+            counts.absorbing = u32::from(absorbing);
+        }
+        self.set_view(scene)
+    }
+
+    fn bounds(&self, geometry: &Geometry) -> Option<Bounds> {
+        shape_bounds(geometry, |mesh| self.meshes.place(mesh).map_or(Bounds::EMPTY, |place| self.meshes.bounds(place)))
+    }
+
+    /// Shapes without bounds come first, for they are tried one by one; the others in the order of the leaves.
+    fn arrange(&mut self, boxes: &[Option<Bounds>], old: &[BvhNode]) {
         let (unbounded, bounded): (Vec<u32>, Vec<u32>) =
-            (0..scene.shapes.len() as u32).partition(|&i| bounds(&scene.shapes[i as usize].geometry).is_none());
-        let hierarchy = Hierarchy::build(scene, &bounded, unbounded.len() as u32);
-        let shape_of_place = [unbounded.as_slice(), &hierarchy.order].concat();
-        buffers.order = shape_of_place.iter().map(|&i| references[i as usize]).collect();
-        buffers.nodes = hierarchy.nodes;
-        buffers.camera_media = camera_media(scene, &shape_of_place)?;
-        buffers.counts = vec![SceneCounts {
-            shapes: buffers.order.len() as u32,
-            unbounded: unbounded.len() as u32,
-            nodes: buffers.nodes.len() as u32,
-            camera_media: buffers.camera_media.len() as u32,
-        }];
-        Ok(Self { buffers, work: settings(&scene.render), shape_of_place })
+            (0..boxes.len() as u32).partition(|&i| boxes[i as usize].is_none());
+        let held: Vec<Bounds> = boxes.iter().copied().flatten().collect();
+        let same = self.shape_of_place.len() == boxes.len() && self.shape_of_place.starts_with(&unbounded);
+        if same
+            && let Some(nodes) =
+                Hierarchy::refit(old, unbounded.len() as u32, &self.shape_of_place[unbounded.len()..], boxes)
+        {
+            self.buffers.nodes = Arc::new(nodes);
+        } else {
+            let Hierarchy { nodes, order, .. } = Hierarchy::build(&held);
+            let first_place = unbounded.len() as u32;
+            self.buffers.nodes = Arc::new(nodes.iter().map(|node| moved(node, 0, first_place)).collect());
+            let order = order.iter().map(|&i| bounded[i as usize]);
+            self.shape_of_place = unbounded.iter().copied().chain(order).collect();
+        }
+        let [shapes, unbounded, nodes] = [boxes.len(), unbounded.len(), self.buffers.nodes.len()].map(|n| n as u32);
+        self.buffers.counts = vec![SceneCounts { shapes, unbounded, nodes, ..SceneCounts::default() }].into();
     }
 
     /// Looks at the same scene from another camera, or with other settings: `scene` differs from the one this was made
     /// of in nothing else. Takes no longer for large scenes than for small ones, unless bodies surround the camera.
     pub fn set_view(&mut self, scene: &Scene) -> Result<(), TranslationError> {
-        self.buffers.camera = vec![device_camera(&scene.camera, &scene.render)];
-        self.buffers.camera_media = camera_media(scene, &self.shape_of_place)?;
-        for counts in &mut self.buffers.counts {
-            counts.camera_media = self.buffers.camera_media.len() as u32;
+        self.buffers.camera = vec![device_camera(&scene.camera, &scene.render)].into();
+        let media = camera_media(scene, &self.shape_of_place)?;
+        for counts in Arc::make_mut(&mut self.buffers.counts) {
+            counts.camera_media = media.len() as u32;
         }
+        self.buffers.camera_media = media.into();
         self.work = settings(&scene.render);
         Ok(())
     }
@@ -81,6 +158,21 @@ impl DeviceScene {
     pub fn shapes(&self) -> usize {
         self.buffers.order.len()
     }
+
+    /// Triangles in it, those of each mesh once.
+    pub fn triangles(&self) -> usize {
+        self.buffers.triangles.len()
+    }
+}
+
+/// The different meshes of a scene.
+fn meshes_of(scene: &Scene) -> Vec<Arc<Mesh>> {
+    let mut known = HashSet::new();
+    let meshes = scene.shapes.iter().filter_map(|shape| match &shape.geometry {
+        Geometry::Mesh { mesh, .. } => Some(mesh),
+        _ => None,
+    });
+    meshes.filter(|mesh| known.insert(Arc::as_ptr(mesh))).cloned().collect()
 }
 
 /// The dielectric bodies around the camera, outermost first.
@@ -135,55 +227,46 @@ fn rows(matrix: DMat4) -> [[f32; 4]; 4] {
     [0, 1, 2, 3].map(|i| matrix.row(i).as_vec4().to_array())
 }
 
-fn device_sky(environment: &Environment) -> Sky {
-    let (horizon, zenith) = match environment {
-        Environment::Constant(radiance) => (*radiance, *radiance),
-        Environment::Gradient { horizon, zenith } => (*horizon, *zenith),
+fn device_sky(environment: &Environment, textures: &mut TextureTable) -> Result<Sky, TranslationError> {
+    let gradient = |horizon: &Vec3, zenith: &Vec3| Sky {
+        horizon: horizon.to_array(),
+        zenith: zenith.to_array(),
+        image: NO_TEXTURE,
+        intensity: 1.0,
     };
-    Sky { horizon: horizon.to_array(), zenith: zenith.to_array() }
+    Ok(match environment {
+        Environment::Constant(radiance) => gradient(radiance, radiance),
+        Environment::Gradient { horizon, zenith } => gradient(horizon, zenith),
+        Environment::Image { image, rotation_degrees, intensity } => {
+            // A turn about the y axis moves the image to the side.
+            let turns = (f64::from(*rotation_degrees) / 360.0).rem_euclid(1.0) as f32;
+            let texture = Texture {
+                transform: [[1.0, 0.0, turns], [0.0, 1.0, 0.0]],
+                wrap: [Wrap::Repeat, Wrap::ClampToEdge],
+                ..Texture::new(image.clone())
+            };
+            Sky { image: textures.add(&texture, ColorSpace::Srgb)?, intensity: *intensity, ..Sky::default() }
+        }
+    })
 }
 
-fn device_material(material: &Material) -> DeviceMaterial {
-    DeviceMaterial {
-        color: material.color.to_array(),
-        emission: (material.emission_color * material.emission_strength).to_array(),
-        smoothness: material.smoothness,
-        refractive_index: material.refractive_index.unwrap_or(0.0),
-        reflection: match material.reflection {
-            Reflection::Fresnel => -1.0,
-            Reflection::Probability(p) => p,
-        },
-        priority: material.priority,
-    }
-}
-
-/// Appends `shape` to the buffer of its kind.
-fn add_shape(buffers: &mut SceneBuffers, shape: &Shape) -> ShapeReference {
-    fn push<T>(buffer: &mut Vec<T>, kind: ShapeKind, shape: T) -> ShapeReference {
-        buffer.push(shape);
-        ShapeReference { kind: kind as u32, index: buffer.len() as u32 - 1 }
-    }
-    let material = shape.material as u32;
-    match shape.geometry {
-        Geometry::Sphere { center, radius } => {
-            push(&mut buffers.spheres, ShapeKind::Sphere, Sphere { center: center.to_array(), radius, material })
+fn device_light(light: &Light) -> DeviceLight {
+    // KHR_lights_punctual: how a spot fades between its two angles.
+    let (kind, angle_scale, angle_offset) = match light.kind {
+        LightKind::Directional => (DeviceLightKind::Directional, 0.0, 1.0),
+        LightKind::Point => (DeviceLightKind::Point, 0.0, 1.0),
+        LightKind::Spot { inner, outer } => {
+            let (inner, outer) = (f64::from(inner).cos(), f64::from(outer).cos());
+            let scale = 1.0 / (inner - outer).max(1e-3);
+            (DeviceLightKind::Spot, scale as f32, (-outer * scale) as f32)
         }
-        Geometry::Plane { point, normal } => push(
-            &mut buffers.planes,
-            ShapeKind::Plane,
-            Plane { point: point.to_array(), normal: normal.to_array(), material },
-        ),
-        Geometry::Rectangle { corner, edge_u, edge_v } => {
-            let normal = edge_u.as_dvec3().cross(edge_v.as_dvec3()).normalize().as_vec3();
-            let [corner, edge_u, edge_v, normal] = [corner, edge_u, edge_v, normal].map(|v: Vec3| v.to_array());
-            push(&mut buffers.rectangles, ShapeKind::Rectangle, Rectangle { corner, edge_u, edge_v, normal, material })
-        }
-        Geometry::Box { center, size, rotation_degrees } => {
-            let axes = rotation(rotation_degrees);
-            let [axis_x, axis_y, axis_z] = [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.as_vec3().to_array());
-            let half_size = (size * 0.5).to_array();
-            let center = center.to_array();
-            push(&mut buffers.boxes, ShapeKind::Box, DeviceBox { center, half_size, axis_x, axis_y, axis_z, material })
-        }
+    };
+    DeviceLight {
+        position: light.position.as_vec3().to_array(),
+        kind: kind as u32,
+        direction: light.direction.as_vec3().to_array(),
+        angle_scale,
+        intensity: light.intensity,
+        angle_offset,
     }
 }

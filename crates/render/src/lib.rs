@@ -18,13 +18,15 @@ mod image_input;
 mod linear_image;
 mod machine;
 mod media;
+mod meshes;
 mod renderer;
+mod textures;
 mod vulkan;
 
 pub use bounds::bounds;
 pub use choice::{DeviceChoice, OpenOptions, devices, open};
 pub use cpu::{CpuDevice, CpuOptions};
-pub use device::{Answer, Change, Device, DeviceError, DeviceInfo, Pixels, Question, Session};
+pub use device::{Answer, Device, DeviceError, DeviceInfo, Pixels, Question, Session};
 pub use device_scene::{DeviceScene, TranslationError};
 pub use display::Display;
 pub use film::{Film, SizeMismatch, film_bytes};
@@ -35,7 +37,8 @@ pub use machine::{TooLarge, check_memory, memory_bytes, peak_memory_bytes, total
 pub use raggio_kernels::compile::FOLDER as KERNELS_FOLDER;
 pub use raggio_kernels::cpu::InstructionSet;
 pub use raggio_kernels::{
-    Comparison, Feature, FilmPixel, MAX_NESTED_MEDIA, Probe, SamplerKind, ShapeKind, ToneMapper, View,
+    Comparison, Feature, FilmPixel, MAX_NESTED_MEDIA, Probe, SamplerKind, ShapeKind, Spirv, ToneMapper, View,
 };
 pub use renderer::{Progress, Renderer};
+pub use textures::{ColorSpace, TextureTable};
 pub use vulkan::VulkanDevice;

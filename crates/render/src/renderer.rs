@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use raggio_kernels::Feature;
 
-use crate::device::{Change, DeviceError, Session};
+use crate::device::{DeviceError, Session};
 use crate::device_scene::DeviceScene;
 use crate::film::Film;
 use crate::films::Films;
@@ -84,8 +84,8 @@ impl Renderer {
     }
 
     /// Begins anew, with another scene, view or size; what it has learned of the device's speed stays.
-    pub fn restart(&mut self, scene: &DeviceScene, change: Change) -> Result<(), DeviceError> {
-        self.session.restart(scene, change)?;
+    pub fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
+        self.session.restart(scene)?;
         (self.width, self.height) = (scene.work.width, scene.work.height);
         for course in self.courses.iter_mut() {
             *course = Course::new(self.height, course.lasting_rate());

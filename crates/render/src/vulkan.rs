@@ -1,15 +1,16 @@
 //! A Vulkan device.
 
+use std::borrow::Cow;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use raggio_kernels::{
     EntryPoint, FILM_BINDING, Feature, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, SCENE_BINDINGS, SCENE_SET,
-    SPIRV, VIEW_BUFFERS, Work,
+    SPIRV, SceneBuffers, Spirv, Work,
 };
 use raggio_vulkan::{BindingSet, Buffer, Device as VulkanContext, Location, Module, PhysicalDevice, Pipeline};
 
-use crate::device::{Answer, Change, Device, DeviceError, Pixels, Question, Session};
+use crate::device::{Answer, Device, DeviceError, Pixels, Question, Session};
 use crate::device_scene::DeviceScene;
 use crate::display::{Display, reference_pixels};
 use crate::film::Film;
@@ -33,29 +34,40 @@ pub struct VulkanDevice {
 struct Kernels {
     context: Arc<VulkanContext>,
     module: Arc<Module>,
-    render: Pipeline,
-    inspect: Pipeline,
-    display: Pipeline,
-    probe: Pipeline,
+    simple_spirv: Cow<'static, [u8]>,
+    /// Each is compiled when it is first needed: of all scenes' kernels, and of simple ones'.
+    full: Pipelines,
+    simple: Pipelines,
+}
+
+/// A pipeline for each entry point.
+#[derive(Default)]
+struct Pipelines {
+    render: OnceLock<Pipeline>,
+    inspect: OnceLock<Pipeline>,
+    display: OnceLock<Pipeline>,
+    probe: OnceLock<Pipeline>,
 }
 
 impl VulkanDevice {
     /// Opens `physical` and compiles the kernels for it.
     pub fn new(physical: &PhysicalDevice) -> Result<Self, DeviceError> {
-        Self::with_kernels(VulkanContext::new(physical)?, SPIRV)
+        Self::with_kernels(VulkanContext::new(physical)?, &SPIRV)
     }
 
     /// Compiles other kernels of the same layout for an open device.
-    pub fn with_kernels(context: Arc<VulkanContext>, spirv: &[u8]) -> Result<Self, DeviceError> {
+    pub fn with_kernels(context: Arc<VulkanContext>, spirv: &Spirv) -> Result<Self, DeviceError> {
         let mut bindings = vec![Vec::new(); 2];
         bindings[BUFFER_SET as usize] = vec![FILM_BINDING, OUTPUT_BINDING, INPUT_BINDING];
         bindings[SCENE_SET as usize] = SCENE_BINDINGS.to_vec();
-        let module = Module::new(&context, spirv, &bindings, size_of::<Work>() as u32)?;
-        let render = module.pipeline(EntryPoint::Render.name())?;
-        let inspect = module.pipeline(EntryPoint::Inspect.name())?;
-        let display = module.pipeline(EntryPoint::Display.name())?;
-        let probe = module.pipeline(EntryPoint::Probe.name())?;
-        Ok(Self { kernels: Arc::new(Kernels { context, module, render, inspect, display, probe }) })
+        let push_bytes = size_of::<Work>() as u32;
+        let module = Module::new(&context, &spirv.full, &bindings, push_bytes)?;
+        let simple_spirv = spirv.simple.clone();
+        let (full, simple) = (Pipelines::default(), Pipelines::default());
+        let kernels = Kernels { context, module, simple_spirv, full, simple };
+        // Kernels that the driver refuses are refused at once, and nobody waits for them later.
+        kernels.pipeline(EntryPoint::Render, false)?;
+        Ok(Self { kernels: Arc::new(kernels) })
     }
 
     /// The open device, which windows share.
@@ -81,27 +93,47 @@ impl Device for VulkanDevice {
     fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
         scene.buffers.check()?;
         let kernels = self.kernels.clone();
-        let (buffers, scene_set) = kernels.upload(scene, &[])?;
+        let resident = kernels.upload(&scene.buffers, None)?;
         let films = Films::new(kernels.film(&scene.work)?);
         let work = scene.work;
-        Ok(Box::new(VulkanSession { kernels, work, buffers, scene_set, films, reference: None, output: None }))
+        Ok(Box::new(VulkanSession { kernels, work, resident, films, reference: None, output: None }))
     }
 }
 
 impl Kernels {
-    /// The scene's buffers by binding; for another view alone, those of `old` that it does not touch.
-    fn upload(&self, scene: &DeviceScene, old: &[(u32, Arc<Buffer>)]) -> Result<(Resident, BindingSet), DeviceError> {
+    /// The pipeline of `entry`: of the kernels for any scene if `full`, else of those for simple ones.
+    fn pipeline(&self, entry: EntryPoint, full: bool) -> Result<&Pipeline, DeviceError> {
+        let pipelines = if full { &self.full } else { &self.simple };
+        let place = match entry {
+            EntryPoint::Render => &pipelines.render,
+            EntryPoint::Inspect => &pipelines.inspect,
+            EntryPoint::Display => &pipelines.display,
+            EntryPoint::Probe => &pipelines.probe,
+        };
+        if let Some(pipeline) = place.get() {
+            return Ok(pipeline);
+        }
+        let pipeline = match full {
+            true => self.module.pipeline(entry.name())?,
+            false => self.module.variant(&self.simple_spirv, entry.name())?,
+        };
+        Ok(place.get_or_init(|| pipeline))
+    }
+
+    /// Makes `scene` resident; what it shares with `old` is there already.
+    fn upload(&self, scene: &SceneBuffers, old: Option<&Resident>) -> Result<Resident, DeviceError> {
         let mut buffers = Vec::new();
-        for (&binding, b) in SCENE_BINDINGS.iter().zip(scene.buffers.bytes()) {
-            let kept = old.iter().find(|(known, _)| *known == binding && !VIEW_BUFFERS.contains(&b.name));
-            let buffer = match kept {
-                Some((_, buffer)) => buffer.clone(),
+        for (i, (&binding, b)) in SCENE_BINDINGS.iter().zip(scene.bytes()).enumerate() {
+            // `old` keeps its lists alive, so the same address is the same list.
+            let same = |old: &&Resident| std::ptr::eq(old.scene.bytes()[i].bytes, b.bytes);
+            let buffer = match old.filter(same) {
+                Some(old) => old.buffers[i].1.clone(),
                 None => Arc::new(Buffer::with_bytes(&self.context, b.name, b.bytes)?),
             };
             buffers.push((binding, buffer));
         }
         let set = self.module.bind(SCENE_SET, &buffers)?;
-        Ok((buffers, set))
+        Ok(Resident { scene: scene.clone(), buffers, set })
     }
 
     /// An empty film, in bands.
@@ -136,8 +168,20 @@ impl Kernels {
     }
 }
 
-/// The scene's buffers by binding.
-type Resident = Vec<(u32, Arc<Buffer>)>;
+/// A scene on the device.
+struct Resident {
+    scene: SceneBuffers,
+    /// By binding.
+    buffers: Vec<(u32, Arc<Buffer>)>,
+    set: BindingSet,
+}
+
+impl Resident {
+    /// Whether it takes the kernels for any scene.
+    fn is_full(&self) -> bool {
+        !self.scene.principled.is_empty() || !self.scene.lights.is_empty()
+    }
+}
 
 /// A run of rows of the film, in a buffer of its own.
 struct Band {
@@ -156,8 +200,7 @@ struct Output {
 struct VulkanSession {
     kernels: Arc<Kernels>,
     work: Work,
-    buffers: Resident,
-    scene_set: BindingSet,
+    resident: Resident,
     films: Films<Vec<Band>>,
     reference: Option<Arc<Buffer>>,
     // Only who displays needs it. It is bound to the film that is shown and to the reference.
@@ -174,10 +217,8 @@ impl Session for VulkanSession {
 
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
         let feature = self.films.feature();
-        let (entry, pipeline) = match EntryPoint::sampling(feature) {
-            EntryPoint::Inspect => (EntryPoint::Inspect, &self.kernels.inspect),
-            entry => (entry, &self.kernels.render),
-        };
+        let entry = EntryPoint::sampling(feature);
+        let pipeline = self.kernels.pipeline(entry, self.resident.is_full())?;
         for band in self.films.shown() {
             let first = rows.start.max(band.rows.start);
             let end = rows.end.min(band.rows.end);
@@ -194,7 +235,7 @@ impl Session for VulkanSession {
                 ..self.work
             };
             let groups = entry.groups(&work);
-            let sets = [&band.set, &self.scene_set];
+            let sets = [&band.set, &self.resident.set];
             self.kernels.context.run(|passes| {
                 passes.compute(pipeline, &sets, bytemuck::bytes_of(&work), groups);
             })?;
@@ -202,18 +243,9 @@ impl Session for VulkanSession {
         Ok(())
     }
 
-    fn restart(&mut self, scene: &DeviceScene, change: Change) -> Result<(), DeviceError> {
-        let kept = match change {
-            Change::View => {
-                scene.buffers.check_view()?;
-                std::mem::take(&mut self.buffers)
-            }
-            Change::Scene => {
-                scene.buffers.check()?;
-                vec![]
-            }
-        };
-        (self.buffers, self.scene_set) = self.kernels.upload(scene, &kept)?;
+    fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
+        scene.buffers.check_after(&self.resident.scene)?;
+        self.resident = self.kernels.upload(&scene.buffers, Some(&self.resident))?;
         let same_size = (self.work.width, self.work.height) == (scene.work.width, scene.work.height);
         if same_size {
             let bands = self.films.iter().flatten();
@@ -244,12 +276,13 @@ impl Session for VulkanSession {
             None => self.kernels.output(&self.work, self.films.shown(), self.reference.as_ref())?,
         };
         let work = display.apply(self.work, self.reference.is_some());
+        let pipeline = self.kernels.pipeline(EntryPoint::Display, false)?;
         self.kernels.context.run(|passes| {
             for (band, set) in self.films.shown().iter().zip(&output.sets) {
                 let (first, rows) = (band.rows.start, band.rows.len() as u32);
                 let work = Work { band_row: first, first_row: first, rows, ..work };
                 let groups = EntryPoint::Display.groups(&work);
-                passes.compute(&self.kernels.display, &[set], bytemuck::bytes_of(&work), groups);
+                passes.compute(pipeline, &[set], bytemuck::bytes_of(&work), groups);
             }
         })?;
         Ok(Pixels::Device(self.output.insert(output).pixels.clone()))
@@ -278,9 +311,10 @@ impl Session for VulkanSession {
         let input = Arc::new(Buffer::with_bytes(context, "questions", bytemuck::cast_slice(questions))?);
         let output = Arc::new(Buffer::zeroed(context, "answers", size_of_val(questions) as u64)?);
         let set = self.kernels.module.bind(BUFFER_SET, &[(INPUT_BINDING, input), (OUTPUT_BINDING, output.clone())])?;
-        let sets = [&set, &self.scene_set];
+        let sets = [&set, &self.resident.set];
         let groups = EntryPoint::Probe.groups(&work);
-        context.run(|passes| passes.compute(&self.kernels.probe, &sets, bytemuck::bytes_of(&work), groups))?;
+        let pipeline = self.kernels.pipeline(EntryPoint::Probe, probe.is_full() || self.resident.is_full())?;
+        context.run(|passes| passes.compute(pipeline, &sets, bytemuck::bytes_of(&work), groups))?;
         Ok(bytemuck::allocation::pod_collect_to_vec(&output.read()?))
     }
 

@@ -6,8 +6,8 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use raggio_render::{
-    Answer, Change, DeviceError, DeviceScene, Display, Feature, Film, FilmPixel, Image, Pixels, Probe, Question,
-    Renderer, Session,
+    Answer, DeviceError, DeviceScene, Display, Feature, Film, FilmPixel, Image, Pixels, Probe, Question, Renderer,
+    Session,
 };
 
 const WIDTH: u32 = 100;
@@ -48,7 +48,7 @@ impl Session for Clock {
         Ok(())
     }
 
-    fn restart(&mut self, _: &DeviceScene, _: Change) -> Result<(), DeviceError> {
+    fn restart(&mut self, _: &DeviceScene) -> Result<(), DeviceError> {
         Ok(())
     }
 

@@ -2,24 +2,16 @@
 //! leaf, every box around what it holds.
 
 use proptest::prelude::*;
-use raggio_render::{DeviceScene, MAX_NESTED_MEDIA, TranslationError};
-use raggio_scene::{Geometry, Material, Reflection, Scene, Shape, Vec3};
+use raggio_kernels::{BvhChild, BvhNode};
+use raggio_render::{DeviceScene, MAX_NESTED_MEDIA, TranslationError, bounds};
+use raggio_scene::{DVec3, Geometry, Material, Scene, Shape, Vec3};
 
 /// A scene with `shapes`, the camera at (0, 0, 5).
 fn scene(shapes: Vec<Geometry>, refractive_index: Option<f32>) -> Scene {
     let text = "version = 1\n[camera]\nposition = [0, 0, 5]\nlook_at = [0, 0, 0]\nvertical_fov_degrees = 40\n";
     let mut scene = Scene::parse(text, "empty").expect("a scene");
-    scene.materials = vec![Material {
-        name: "any".into(),
-        color: Vec3::ONE,
-        emission_color: Vec3::ZERO,
-        emission_strength: 0.0,
-        smoothness: 0.0,
-        refractive_index,
-        reflection: Reflection::Fresnel,
-        priority: 0,
-    }];
-    scene.shapes = shapes.into_iter().map(|geometry| Shape { material: 0, geometry }).collect();
+    scene.materials = vec![Material { name: "any".into(), refractive_index, ..Material::default() }];
+    scene.shapes = shapes.into_iter().map(|geometry| Shape { entry: 0, material: 0, geometry }).collect();
     scene
 }
 
@@ -33,20 +25,56 @@ fn assert_sound(scene: &Scene) {
 
     let mut covered = vec![false; buffers.order.len()];
     covered[..buffers.counts[0].unbounded as usize].fill(true);
-    for node in &buffers.nodes {
-        if node.count > 0 {
-            for place in node.first..node.first + node.count {
-                assert!(!std::mem::replace(&mut covered[place as usize], true), "place {place} is in two leaves");
+    for node in buffers.nodes.iter() {
+        for child in children(node) {
+            match child {
+                Child::Leaves(places, inside) => {
+                    for place in places {
+                        assert!(!std::mem::replace(&mut covered[place], true), "place {place} is in two leaves");
+                        let shape = &scene.shapes[translated.shape_of_place[place] as usize];
+                        let (lower, upper) = bounds(&shape.geometry).expect("what has no bounds is in no leaf");
+                        assert_holds(inside, [lower.as_dvec3(), upper.as_dvec3()]);
+                    }
+                }
+                Child::Node(place, inside) => {
+                    let boxes = children(&buffers.nodes[place]).into_iter().map(|child| match child {
+                        Child::Leaves(_, own) | Child::Node(_, own) => own,
+                    });
+                    boxes.for_each(|own| assert_holds(inside, own));
+                }
             }
-            continue;
-        }
-        for child in [node.first, node.first + 1] {
-            let child = buffers.nodes[child as usize];
-            let inside = (0..3).all(|i| node.lower[i] <= child.lower[i] && child.upper[i] <= node.upper[i]);
-            assert!(inside, "{child:?} reaches out of {node:?}");
         }
     }
     assert!(covered.iter().all(|&c| c), "a shape is in no leaf");
+}
+
+/// A child of a node, with its box as the kernels see it.
+enum Child {
+    Leaves(std::ops::Range<usize>, [DVec3; 2]),
+    Node(usize, [DVec3; 2]),
+}
+
+fn children(node: &BvhNode) -> Vec<Child> {
+    let point = |p: [f32; 3]| Vec3::from(p).as_dvec3();
+    let child = |child: &BvhChild| {
+        let inside = [point(child.lower), point(child.upper)];
+        let first = child.first as usize;
+        match child.count {
+            0 => Child::Node(first, inside),
+            count => Child::Leaves(first..first + count as usize, inside),
+        }
+    };
+    // A single leaf is both children of its node, the second time where no ray goes.
+    let mut found = vec![child(&node.left)];
+    if node.right.lower != [1e30; 3] {
+        found.push(child(&node.right));
+    }
+    found
+}
+
+fn assert_holds(outer: [DVec3; 2], inner: [DVec3; 2]) {
+    let holds = outer[0].cmple(inner[0]).all() && inner[1].cmple(outer[1]).all();
+    assert!(holds, "{inner:?} reaches out of {outer:?}");
 }
 
 fn coordinate() -> impl Strategy<Value = f32> {
@@ -88,6 +116,7 @@ proptest! {
         match DeviceScene::new(&scene) {
             Ok(_) => assert_sound(&scene),
             Err(TranslationError::TooManyMedia { found, .. }) => prop_assert!(found > MAX_NESTED_MEDIA as usize),
+            Err(other) => prop_assert!(false, "{other}"),
         }
     }
 }

@@ -80,10 +80,27 @@ impl Module {
 
     /// The pipeline of the entry point `name`.
     pub fn pipeline(self: &Arc<Self>, name: &str) -> Result<Pipeline, VulkanError> {
+        self.pipeline_of(self.shader, name)
+    }
+
+    /// The pipeline of the entry point `name` of another module that has the same layout.
+    pub fn variant(self: &Arc<Self>, spirv: &[u8], name: &str) -> Result<Pipeline, VulkanError> {
+        let code: Vec<u32> = bytemuck::allocation::pod_collect_to_vec(spirv);
+        let info = vk::ShaderModuleCreateInfo::default().code(&code);
+        // SAFETY: as in `new`; pipelines do without the module they were made from.
+        unsafe {
+            let shader = self.device.raw.create_shader_module(&info, None).during("vkCreateShaderModule")?;
+            let pipeline = self.pipeline_of(shader, name);
+            self.device.raw.destroy_shader_module(shader, None);
+            pipeline
+        }
+    }
+
+    fn pipeline_of(self: &Arc<Self>, shader: vk::ShaderModule, name: &str) -> Result<Pipeline, VulkanError> {
         let entry = CString::new(name).unwrap_or_default();
         let stage = vk::PipelineShaderStageCreateInfo::default()
             .stage(vk::ShaderStageFlags::COMPUTE)
-            .module(self.shader)
+            .module(shader)
             .name(&entry);
         let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(self.layout)];
         // SAFETY: module and layout belong to this device and outlive the pipeline.

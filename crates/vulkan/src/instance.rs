@@ -8,7 +8,7 @@ use raw_window_handle::RawDisplayHandle;
 use crate::error::{During, VulkanError};
 
 /// Storage buffers that a kernel may bind at once on any device that counts as fit.
-pub const STORAGE_BUFFERS: u32 = 16;
+pub const STORAGE_BUFFERS: u32 = 32;
 
 /// What kind of processor is behind a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

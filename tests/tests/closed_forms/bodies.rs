@@ -144,6 +144,7 @@ fn scene(case: &Case) -> Scene {
 /// Whether a point is inside a body.
 fn contains(body: &Geometry, p: DVec3) -> bool {
     match *body {
+        Geometry::Mesh { .. } => unreachable!("there are no meshes here"),
         Geometry::Sphere { center, radius } => p.distance(center.as_dvec3()) < f64::from(radius),
         Geometry::Plane { point, normal } => normal.as_dvec3().dot(p - point.as_dvec3()) < 0.0,
         Geometry::Box { center, size, rotation_degrees } => {

@@ -2,6 +2,7 @@
 
 mod hierarchy;
 mod leave;
+mod meshes;
 mod nearest;
 
 use raggio_render::{Answer, Question};
@@ -42,6 +43,7 @@ fn scene_of(shape: &str, surface_offset: bool) -> Scene {
 /// A point about which a shape lies, and how far it reaches from there; for a plane, some part of it.
 fn place(shape: &Geometry) -> (DVec3, f64) {
     match *shape {
+        Geometry::Mesh { .. } => unreachable!("there are no meshes here"),
         Geometry::Sphere { center, radius } => (center.as_dvec3(), f64::from(radius)),
         Geometry::Plane { point, .. } => (point.as_dvec3(), 10.0),
         Geometry::Rectangle { corner, edge_u, edge_v } => {
@@ -53,7 +55,7 @@ fn place(shape: &Geometry) -> (DVec3, f64) {
 }
 
 /// A ray as the device gets it: in single precision, its direction as near to unit length as that allows.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct SingleRay {
     origin: Vec3,
     direction: Vec3,

@@ -1,6 +1,6 @@
 //! Films beside a reference.
 
-use raggio_render::{Change, Comparison, DeviceScene, Display, Image, Session, ToneMapper, View};
+use raggio_render::{Comparison, DeviceScene, Display, Image, Session, ToneMapper, View};
 use raggio_tests::for_each_device;
 use raggio_tests::render::{displayed, load};
 
@@ -74,7 +74,7 @@ fn a_reference_goes_with_the_size_or_when_told_to() {
         for (width, height, kept) in [(42, 33, true), (21, 20, false)] {
             (scene.render.width, scene.render.height) = (width, height);
             let device_scene = DeviceScene::new(&scene).expect("the scene fits devices");
-            session.restart(&device_scene, Change::View).expect("the session restarts");
+            session.restart(&device_scene).expect("the session restarts");
             assert_eq!(compared(&mut *session, View::Radiance), kept, "{}: {width}x{height}", device.label);
         }
         session.set_reference(Some(&gradient(42, 33))).expect("the reference is taken");

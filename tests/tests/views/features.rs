@@ -162,7 +162,7 @@ fn a_restart_clears_both_films_and_shows_the_same() {
                 session.add_samples(0..10, 0..1).expect("samples are added");
             }
             let device_scene = DeviceScene::new(&scene).expect("the scene fits devices");
-            session.restart(&device_scene, raggio_render::Change::View).expect("the session restarts");
+            session.restart(&device_scene).expect("the session restarts");
             session.add_samples(0..1, 0..1).expect("samples are added");
             let film = session.film().expect("the film is read");
             let what = format!("{}, {size:?}", device.label);

@@ -9,10 +9,19 @@ pub const ENTRY_POINTS: [&str; 4] = ["render", "inspect", "display", "probe"];
 /// The version that the kernels are tested with; layouts and generated C++ depend on it.
 const VERSION: &str = "2026.14.1";
 
-/// Compiles the entry points of `kernels` to SPIR-V, as [`compile`] does.
+/// Where the kernels for simple scenes stand (`kernels/variant.slang`) if the full ones are in the file `code`.
+pub fn simple_path(code: &Path) -> PathBuf {
+    code.with_extension("simple.spv")
+}
+
+/// Compiles the entry points of `kernels` to SPIR-V, in both variants, as [`compile`] does.
 pub fn compile_spirv(slangc: &Path, kernels: &Path, code: &Path) -> Result<String, String> {
-    let messages = compile(slangc, kernels, &["-target", "spirv", "-O0", "-fvk-use-entrypoint-name"], code)?;
+    let target = ["-target", "spirv", "-O0", "-fvk-use-entrypoint-name"];
+    let simple = simple_path(code);
+    let mut messages = compile(slangc, kernels, &target, code)?;
+    messages += &compile(slangc, kernels, &[&target[..], &["-DSIMPLE"]].concat(), &simple)?;
     drop_source_language(code)?;
+    drop_source_language(&simple)?;
     Ok(messages)
 }
 

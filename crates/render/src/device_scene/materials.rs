@@ -1,0 +1,149 @@
+//! Materials, with their textures, as kernels read them.
+
+use raggio_kernels::{
+    AlphaMode as DeviceAlphaMode, Material as DeviceMaterial, NO_TEXTURE, NONE, Principled as DevicePrincipled,
+};
+use raggio_scene::{AlphaMode, Material, Principled, Reflection, Texture};
+
+use super::TranslationError;
+use crate::textures::{ColorSpace, TextureTable};
+
+/// Materials in the order of the scene, and the principled ones among them in a list of their own.
+#[derive(Default)]
+pub(super) struct Materials {
+    pub materials: Vec<DeviceMaterial>,
+    pub principled: Vec<DevicePrincipled>,
+}
+
+impl Materials {
+    pub fn new(materials: &[Material], textures: &mut TextureTable) -> Result<Self, TranslationError> {
+        let mut list = Self::default();
+        for material in materials {
+            let translated = match &material.principled {
+                None => plain(material),
+                Some(principled) => {
+                    list.principled.push(device_principled(principled, textures)?);
+                    body(principled, list.principled.len() as u32 - 1)
+                }
+            };
+            list.materials.push(translated);
+        }
+        Ok(list)
+    }
+
+    /// Whether any of them takes light away inside its bodies.
+    pub fn absorbing(&self) -> bool {
+        self.materials.iter().any(|material| material.absorption != [0.0; 3])
+    }
+}
+
+/// Whether `material` lets light pass between what is there and what is not.
+pub(super) fn has_holes(material: &Material) -> bool {
+    material.principled.as_ref().is_some_and(|principled| principled.alpha_mode != AlphaMode::Opaque)
+}
+
+fn plain(material: &Material) -> DeviceMaterial {
+    DeviceMaterial {
+        color: material.color.to_array(),
+        emission: (material.emission_color * material.emission_strength).to_array(),
+        smoothness: material.smoothness,
+        refractive_index: material.refractive_index.unwrap_or(0.0),
+        reflection: match material.reflection {
+            Reflection::Fresnel => -1.0,
+            Reflection::Probability(p) => p,
+        },
+        priority: material.priority,
+        absorption: [0.0; 3],
+        dispersion: 0.0,
+        principled: NONE,
+    }
+}
+
+/// What the path has to know of a principled material's bodies.
+fn body(principled: &Principled, index: u32) -> DeviceMaterial {
+    let is_body = principled.transmission > 0.0 && !principled.thin_walled;
+    // White light has the attenuation colour after the attenuation distance; no colour is quite black.
+    let absorption = principled.attenuation_color.map(|color| -color.max(1e-6).ln() / principled.attenuation_distance);
+    DeviceMaterial {
+        refractive_index: if is_body { refractive_index(principled) } else { 0.0 },
+        priority: principled.priority,
+        absorption: if is_body { absorption.map(|a| a.max(0.0)) } else { [0.0; 3] },
+        // KHR_materials_dispersion: half of what the index spreads over.
+        dispersion: if is_body { (refractive_index(principled) - 1.0) * 0.025 * principled.dispersion } else { 0.0 },
+        principled: index,
+        ..DeviceMaterial::default()
+    }
+}
+
+/// glTF's 0 stands for an infinite index, which bends like a large one.
+fn refractive_index(principled: &Principled) -> f32 {
+    if principled.ior > 0.0 { principled.ior } else { 1000.0 }
+}
+
+fn device_principled(
+    principled: &Principled,
+    textures: &mut TextureTable,
+) -> Result<DevicePrincipled, TranslationError> {
+    let mut textured = false;
+    let mut add = |texture: &Option<Texture>, space| match texture {
+        None => Ok(NO_TEXTURE),
+        Some(texture) => {
+            textured = true;
+            textures.add(texture, space)
+        }
+    };
+    let (color, data) = (ColorSpace::Srgb, ColorSpace::Linear);
+    let p = principled;
+    let (alpha_mode, alpha_cutoff) = match p.alpha_mode {
+        AlphaMode::Opaque => (DeviceAlphaMode::Opaque, 0.0),
+        AlphaMode::Mask(cutoff) => (DeviceAlphaMode::Mask, cutoff),
+        AlphaMode::Blend => (DeviceAlphaMode::Blend, 0.0),
+    };
+    let (sine, cosine) = p.anisotropy_rotation.sin_cos();
+    Ok(DevicePrincipled {
+        base_color_texture: add(&p.base_color_texture, color)?,
+        metallic_roughness_texture: add(&p.metallic_roughness_texture, data)?,
+        normal_texture: add(&p.normal_texture, data)?,
+        emissive_texture: add(&p.emissive_texture, color)?,
+        specular_texture: add(&p.specular_texture, data)?,
+        specular_color_texture: add(&p.specular_color_texture, color)?,
+        transmission_texture: add(&p.transmission_texture, data)?,
+        diffuse_transmission_texture: add(&p.diffuse_transmission_texture, data)?,
+        diffuse_transmission_color_texture: add(&p.diffuse_transmission_color_texture, color)?,
+        clearcoat_texture: add(&p.clearcoat_texture, data)?,
+        clearcoat_roughness_texture: add(&p.clearcoat_roughness_texture, data)?,
+        clearcoat_normal_texture: add(&p.clearcoat_normal_texture, data)?,
+        sheen_color_texture: add(&p.sheen_color_texture, color)?,
+        sheen_roughness_texture: add(&p.sheen_roughness_texture, data)?,
+        anisotropy_texture: add(&p.anisotropy_texture, data)?,
+        iridescence_texture: add(&p.iridescence_texture, data)?,
+        iridescence_thickness_texture: add(&p.iridescence_thickness_texture, data)?,
+        base_color: p.base_color,
+        alpha: p.alpha,
+        emissive: p.emissive,
+        metallic: p.metallic,
+        specular_color: p.specular_color,
+        specular: p.specular,
+        diffuse_transmission_color: p.diffuse_transmission_color,
+        diffuse_transmission: p.diffuse_transmission,
+        sheen_color: p.sheen_color,
+        sheen_roughness: p.sheen_roughness,
+        roughness: p.roughness,
+        ior: p.ior,
+        transmission: p.transmission,
+        clearcoat: p.clearcoat,
+        clearcoat_roughness: p.clearcoat_roughness,
+        anisotropy: p.anisotropy,
+        anisotropy_direction: [cosine, sine],
+        iridescence: p.iridescence,
+        iridescence_ior: p.iridescence_ior,
+        iridescence_thickness_minimum: p.iridescence_thickness_minimum,
+        iridescence_thickness_maximum: p.iridescence_thickness_maximum,
+        normal_scale: p.normal_scale,
+        clearcoat_normal_scale: p.clearcoat_normal_scale,
+        alpha_mode: alpha_mode as u32,
+        alpha_cutoff,
+        thin_walled: u32::from(p.thin_walled),
+        textured: u32::from(textured),
+    })
+}

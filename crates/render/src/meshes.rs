@@ -1,0 +1,209 @@
+//! Meshes as devices read them, each with its hierarchy.
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3};
+use raggio_kernels::{BvhNode, Mesh as DeviceMesh, NONE, SceneBuffers, Triangle};
+use raggio_scene::Mesh;
+use rayon::prelude::*;
+
+use crate::device_scene::TranslationError;
+use crate::hierarchy::{Bounds, Hierarchy, moved};
+
+/// The meshes of a scene, one behind the other. Kept from edit to edit: a mesh is built once.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Meshes {
+    known: Vec<Known>,
+    /// By address.
+    places: HashMap<usize, usize>,
+    nodes: Arc<Vec<BvhNode>>,
+    triangles: Arc<Vec<Triangle>>,
+    materials: Arc<Vec<u32>>,
+    attributes: Arc<Vec<u32>>,
+    infos: Arc<Vec<DeviceMesh>>,
+}
+
+/// A mesh that has been built.
+#[derive(Clone, Debug)]
+struct Known {
+    /// Kept, so that no other mesh can have its address.
+    mesh: Arc<Mesh>,
+    bounds: Bounds,
+}
+
+impl Meshes {
+    /// Holds the meshes `wanted`, each once, and no others. Builds what is new, and touches nothing if nothing is.
+    pub fn hold(&mut self, wanted: &[Arc<Mesh>]) -> Result<(), TranslationError> {
+        let addresses: HashSet<usize> = wanted.iter().map(address).collect();
+        if self.known.iter().any(|known| !addresses.contains(&address(&known.mesh))) {
+            *self = Self::default();
+        }
+        let new: Vec<_> = wanted.iter().filter(|mesh| self.place(mesh).is_none()).collect();
+        if new.is_empty() {
+            return Ok(());
+        }
+        // Each is built on all threads if it is large, and many are built at once.
+        let parts: Vec<_> = new.par_iter().map(|mesh| Part::build(mesh)).collect();
+        for (mesh, part) in new.into_iter().zip(parts) {
+            self.append(mesh.clone(), part)?;
+        }
+        Ok(())
+    }
+
+    /// Where `mesh` stands in the scene's list.
+    pub fn place(&self, mesh: &Arc<Mesh>) -> Option<usize> {
+        self.places.get(&address(mesh)).copied()
+    }
+
+    /// Around the mesh at `place`.
+    pub fn bounds(&self, place: usize) -> Bounds {
+        self.known[place].bounds
+    }
+
+    /// Puts the lists among those of a scene.
+    pub fn share(&self, buffers: &mut SceneBuffers) {
+        buffers.mesh_nodes = self.nodes.clone();
+        buffers.triangles = self.triangles.clone();
+        buffers.triangle_materials = self.materials.clone();
+        buffers.attributes = self.attributes.clone();
+        buffers.meshes = self.infos.clone();
+    }
+
+    fn append(&mut self, mesh: Arc<Mesh>, part: Part) -> Result<(), TranslationError> {
+        let place = |len: usize, more: usize| {
+            let fits = u32::try_from(len + more).is_ok();
+            if fits { Ok(len as u32) } else { Err(TranslationError::TooManyTriangles) }
+        };
+        let root = place(self.nodes.len(), part.nodes.len())?;
+        let first_triangle = place(self.triangles.len(), part.triangles.len())?;
+        let attributes = place(self.attributes.len(), part.attributes.len())?;
+        let behind = |list: u32| if list == NONE { NONE } else { attributes + list };
+        let DeviceMesh { normals, tangents, uv0, uv1, colors, .. } = part.info;
+        let [normals, tangents, uv0, uv1, colors] = [normals, tangents, uv0, uv1, colors].map(behind);
+        let info = DeviceMesh { root, first_triangle, normals, tangents, uv0, uv1, colors, ..part.info };
+        Arc::make_mut(&mut self.infos).push(info);
+
+        let nodes = part.nodes.par_iter().map(|node| moved(node, root, first_triangle));
+        extend(&mut self.nodes, nodes.collect());
+        extend(&mut self.triangles, part.triangles);
+        extend(&mut self.materials, part.materials);
+        extend(&mut self.attributes, part.attributes);
+        self.places.insert(address(&mesh), self.known.len());
+        self.known.push(Known { mesh, bounds: part.bounds });
+        Ok(())
+    }
+}
+
+fn address(mesh: &Arc<Mesh>) -> usize {
+    Arc::as_ptr(mesh).addr()
+}
+
+/// Without a copy where there was nothing before.
+fn extend<T: Clone>(list: &mut Arc<Vec<T>>, mut more: Vec<T>) {
+    match list.is_empty() {
+        true => *list = Arc::new(more),
+        false => Arc::make_mut(list).append(&mut more),
+    }
+}
+
+/// A mesh alone, all places counted from 0.
+struct Part {
+    nodes: Vec<BvhNode>,
+    triangles: Vec<Triangle>,
+    materials: Vec<u32>,
+    attributes: Vec<u32>,
+    info: DeviceMesh,
+    bounds: Bounds,
+}
+
+impl Part {
+    fn build(mesh: &Mesh) -> Self {
+        let corner = |index: u32| Vec3::from(mesh.positions[index as usize]);
+        let boxes: Vec<Bounds> = mesh
+            .triangles
+            .par_iter()
+            .map(|triangle| {
+                let [a, b, c] = triangle.map(corner);
+                Bounds(a.min(b).min(c), a.max(b).max(c))
+            })
+            .collect();
+        let all = |a: Bounds, b: Bounds| Bounds(a.0.min(b.0), a.1.max(b.1));
+        let bounds = boxes.par_iter().copied().reduce(|| Bounds::EMPTY, all);
+        let Hierarchy { nodes, order, levels } = Hierarchy::build(&boxes);
+        drop(boxes);
+
+        let triangle = |&index: &u32| {
+            let vertices = mesh.triangles[index as usize];
+            let [a, b, c] = vertices.map(|vertex| corner(vertex).extend(f32::from_bits(vertex)).to_array());
+            Triangle { a, b, c }
+        };
+        let mut named = vec![NONE; mesh.triangles.len()];
+        for part in &mesh.parts {
+            named[part.triangles.clone()].fill(part.material.map_or(NONE, |material| material as u32));
+        }
+        let materials: Vec<u32> = order.par_iter().map(|&index| named[index as usize]).collect();
+        let (attributes, lists) = attributes(mesh);
+        let info = DeviceMesh {
+            triangles: order.len() as u32,
+            materials: named.iter().filter(|m| **m != NONE).max().map_or(0, |largest| largest + 1),
+            levels,
+            ..lists
+        };
+        Self { nodes, triangles: order.par_iter().map(triangle).collect(), materials, attributes, info, bounds }
+    }
+}
+
+/// The lists over vertices, packed, and where they begin.
+fn attributes(mesh: &Mesh) -> (Vec<u32>, DeviceMesh) {
+    let mut words = Vec::new();
+    let mut list = |packed: Option<Vec<u32>>| {
+        packed.map_or(NONE, |mut packed| {
+            let first = words.len() as u32;
+            words.append(&mut packed);
+            first
+        })
+    };
+    let unit = |v: &[f32; 3]| pack_unit_vector(Vec3::from(*v).normalize_or_zero());
+    let uv = |uvs: &Vec<[f32; 2]>| uvs.iter().flatten().map(|x| x.to_bits()).collect();
+    let lists = DeviceMesh {
+        normals: list(mesh.normals.as_ref().map(|normals| normals.par_iter().map(unit).collect())),
+        tangents: list(mesh.tangents.as_ref().map(|tangents| tangents.par_iter().map(pack_tangent).collect())),
+        uv0: list(mesh.uvs[0].as_ref().map(uv)),
+        uv1: list(mesh.uvs[1].as_ref().map(uv)),
+        colors: list(mesh.colors.as_ref().map(|colors| colors.par_iter().flat_map_iter(pack_color).collect())),
+        ..DeviceMesh::default()
+    };
+    (words, lists)
+}
+
+/// No direction at all, which the octahedron does not know: its lower corners fold to the same pole, and one stands for it.
+const ZERO_VECTOR: u32 = 0xffff_ffff;
+
+/// A unit vector in 16 + 16 bits: the octahedron, unfolded [cigolle2014unitvectors]; zero has a code of its own.
+fn pack_unit_vector(v: Vec3) -> u32 {
+    let sum = v.abs().element_sum();
+    if sum == 0.0 {
+        return ZERO_VECTOR;
+    }
+    let p = Vec2::new(v.x, v.y) / sum;
+    let sign = |x: f32| if x < 0.0 { -1.0 } else { 1.0 };
+    let e = if v.z < 0.0 { Vec2::new((1.0 - p.y.abs()) * sign(p.x), (1.0 - p.x.abs()) * sign(p.y)) } else { p };
+    let quantize = |x: f32| ((x * 0.5 + 0.5) * 65535.0).round() as u32;
+    let packed = quantize(e.x) | quantize(e.y) << 16;
+    // The opposite corner is the same pole.
+    if packed == ZERO_VECTOR { 0 } else { packed }
+}
+
+/// A unit vector with a bit less, and the sign of the bitangent in the lowest.
+fn pack_tangent(tangent: &[f32; 4]) -> u32 {
+    let [x, y, z, sign] = *tangent;
+    let packed = pack_unit_vector(Vec3::new(x, y, z).normalize_or_zero());
+    packed & !1 | u32::from(sign < 0.0)
+}
+
+/// Four components in 16 bits each, 65535 being 1.
+fn pack_color(color: &[f32; 4]) -> [u32; 2] {
+    let [r, g, b, a] = color.map(|c| (c.clamp(0.0, 1.0) * 65535.0).round() as u32);
+    [r | g << 16, b | a << 16]
+}
