@@ -98,8 +98,9 @@ impl Job<'_> {
             }
         }
         if let Some(path) = self.stats {
-            let (max_depth, shapes) = (settings.max_depth, device_scene.shapes());
-            let stats = Stats { device: &device_name, film: &film, progress, max_depth, setup_seconds, shapes };
+            let (shapes, triangles) = (device_scene.shapes(), device_scene.triangles());
+            let (device, film, max_depth) = (&*device_name, &film, settings.max_depth);
+            let stats = Stats { device, film, progress, max_depth, setup_seconds, shapes, triangles };
             outcome = outcome.and(stats.write(path));
         }
         outcome

@@ -13,6 +13,7 @@ pub struct Stats<'a> {
     pub max_depth: u32,
     pub setup_seconds: f64,
     pub shapes: usize,
+    pub triangles: usize,
 }
 
 impl Stats<'_> {
@@ -31,7 +32,7 @@ impl Stats<'_> {
             "rays": rays,
             "rays_per_second": rays as f64 / seconds,
             "peak_memory_bytes": raggio_render::peak_memory_bytes(),
-            "triangles": 0,
+            "triangles": self.triangles,
             "shapes": self.shapes,
         });
         raggio_render::write_whole(path, format!("{stats:#}\n").as_bytes()).map_err(|e| cannot_write(path, &e))

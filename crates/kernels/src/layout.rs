@@ -314,10 +314,10 @@ mod tests {
         let texture =
             Texture { first_word: 3, width: 5, height: 2, format: TexelFormat::Rgba16 as u32, ..Texture::default() };
         let with = |texture: Texture, texels: usize| SceneBuffers {
-            textures: vec![texture],
-            texels: vec![0; texels],
-            sky: vec![Sky { image: 0, ..Sky::default() }],
-            ..with_nodes(&[(0, 1)])
+            textures: vec![texture].into(),
+            texels: vec![0; texels].into(),
+            sky: vec![Sky { image: 0, ..Sky::default() }].into(),
+            ..with_nodes(&[LEAF])
         };
         assert_eq!(with(texture, 23).check(), Ok(()));
 
@@ -328,6 +328,6 @@ mod tests {
         refused(with(Texture { format: 99, ..texture }, 23));
         refused(with(Texture { first_word: u32::MAX, ..texture }, 23));
         refused(with(Texture { width: u32::MAX, height: u32::MAX, ..texture }, 23));
-        refused(SceneBuffers { sky: vec![Sky { image: 1, ..Sky::default() }], ..with(texture, 23) });
+        refused(SceneBuffers { sky: vec![Sky { image: 1, ..Sky::default() }].into(), ..with(texture, 23) });
     }
 }

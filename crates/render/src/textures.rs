@@ -167,7 +167,7 @@ mod tests {
         assert_eq!(add(&equal, ColorSpace::Linear), 3, "equal images need not be told from different ones");
 
         let (textures, texels) = table.finish();
-        assert_eq!(texels, [0x0403_0201, 0x0807_0605, 0x0403_0201, 0x0807_0605]);
+        assert_eq!(*texels, [0x0403_0201, 0x0807_0605, 0x0403_0201, 0x0807_0605]);
         assert_eq!(textures.iter().map(|texture| texture.first_word).collect::<Vec<_>>(), [0, 0, 0, 2]);
     }
 
