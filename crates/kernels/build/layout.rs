@@ -104,8 +104,11 @@ impl Types {
             self.collect(&field["type"])?;
         }
 
+        let size = kind["sizes"][0]["value"].as_u64().ok_or(format!("`{name}` has no size"))?;
+        // Processors load lines of 64 bytes: what is as large as one or several should not lie across two.
+        let repr = if size % 64 == 0 { "C, align(64)" } else { "C" };
         let mut text = format!(
-            "/// `{name}` of the kernels.\n#[repr(C)]\n#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]\npub struct {name} {{\n"
+            "/// `{name}` of the kernels.\n#[repr({repr})]\n#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]\npub struct {name} {{\n"
         );
         let mut checks = String::new();
         for field in fields {
@@ -114,7 +117,6 @@ impl Types {
             let offset = &field["binding"]["offset"];
             let _ = writeln!(checks, "const _: () = assert!(std::mem::offset_of!({name}, {member}) == {offset});");
         }
-        let size = kind["sizes"][0]["value"].as_u64().ok_or(format!("`{name}` has no size"))?;
         let _ = writeln!(checks, "const _: () = assert!(std::mem::size_of::<{name}>() == {size});\n");
         self.text += &text;
         self.text += "}\n";

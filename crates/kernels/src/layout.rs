@@ -1,7 +1,6 @@
 //! Generated twins of the kernels' structures; their sizes and offsets are asserted as they are compiled.
 
 use std::ops::Range;
-use std::sync::Arc;
 
 /// One buffer of [`SceneBuffers`], as bytes.
 #[derive(Clone, Copy, Debug)]
@@ -15,6 +14,18 @@ pub struct BufferBytes<'a> {
     /// Bytes of one element.
     pub stride: usize,
 }
+
+impl BufferBytes<'_> {
+    /// Whether both are one list; lists that are shared do not change.
+    pub fn same(&self, other: &BufferBytes<'_>) -> bool {
+        std::ptr::eq(self.bytes, other.bytes)
+    }
+}
+
+/// The lists over meshes, as [`BufferBytes::name`] calls them.
+const MESH_BUFFERS: [&str; 5] = ["mesh_nodes", "triangles", "triangle_materials", "meshes", "attributes"];
+/// The lists in which one view of a scene differs from another; `check_counts` looks at all that can be wrong there.
+const VIEW_BUFFERS: [&str; 3] = ["camera", "camera_media", "counts"];
 
 pub use generated::*;
 
@@ -44,35 +55,63 @@ impl TexelFormat {
     }
 }
 
+impl BvhChild {
+    /// The box between two corners, and what is in it: `count` leaves from place `first` on, or node `first` if it is 0.
+    /// `first` is below 2^30 and `count` below 4.
+    pub fn new([lower, upper]: [[f32; 3]; 2], first: u32, count: u32) -> Self {
+        let group = f32::from_bits(first | count << GROUP_SHIFT);
+        Self { lower: [lower[0], lower[1], lower[2], group], upper: [upper[0], upper[1], upper[2], 0.0] }
+    }
+
+    /// The lower and the upper corner of its box.
+    pub fn corners(&self) -> [[f32; 3]; 2] {
+        [self.lower, self.upper].map(|[x, y, z, _]| [x, y, z])
+    }
+
+    /// The node in it, or the first of its leaves.
+    pub fn first(&self) -> u32 {
+        self.lower[3].to_bits() & (MOST_IN_HIERARCHY - 1)
+    }
+
+    /// How many leaves it has; 0: a node is in it.
+    pub fn count(&self) -> u32 {
+        self.lower[3].to_bits() >> GROUP_SHIFT
+    }
+}
+
+/// Nodes, or leaves, that all hierarchies of a level may have together.
+pub const MOST_IN_HIERARCHY: u32 = 1 << GROUP_SHIFT;
+
 impl SceneBuffers {
     /// Checks every index that a kernel follows, so that none can read outside its buffer.
     pub fn check(&self) -> Result<(), BrokenScene> {
         self.check_after(&Self::default())
     }
 
-    /// The same, knowing that `checked` has been found right: what they share is not looked at again.
+    /// The same, knowing that `checked` has been found right: what they share is not looked at again, so that another view
+    /// of a large scene is checked at once.
     pub fn check_after(&self, checked: &Self) -> Result<(), BrokenScene> {
         self.check_counts()?;
-        let meshes = |scene: &Self| {
-            let Self { mesh_nodes, triangles, triangle_materials, meshes, attributes, .. } = scene.clone();
-            (mesh_nodes, triangles, triangle_materials, meshes, attributes)
-        };
-        let ((nodes, triangles, materials, infos, attributes), old) = (meshes(self), meshes(checked));
-        let same = Arc::ptr_eq(&nodes, &old.0)
-            && Arc::ptr_eq(&triangles, &old.1)
-            && Arc::ptr_eq(&materials, &old.2)
-            && Arc::ptr_eq(&infos, &old.3)
-            && Arc::ptr_eq(&attributes, &old.4);
-        if !same {
+        let changed: Vec<&str> =
+            self.bytes().iter().zip(checked.bytes()).filter(|(a, b)| !a.same(b)).map(|(a, _)| a.name).collect();
+        if changed.iter().any(|name| MESH_BUFFERS.contains(name)) {
             self.check_meshes()?;
+        }
+        let same_places = checked.counts.first().is_some_and(|counts| counts.unbounded == self.counts[0].unbounded);
+        if same_places && changed.iter().all(|name| VIEW_BUFFERS.contains(name)) {
+            return Ok(());
         }
         self.check_textures()?;
         self.check_shapes()?;
+        self.check_levels()
+    }
+
+    fn check_levels(&self) -> Result<(), BrokenScene> {
         let leaves = self.counts[0].unbounded as usize..self.order.len();
         let levels = levels(&self.nodes, 0..self.nodes.len(), leaves)?;
         let below = self.meshes.iter().map(|mesh| mesh.levels).max().unwrap_or(0);
-        // On each level one child waits, and the rest of a leaf when a mesh is entered.
-        if levels + below + 1 > BVH_STACK {
+        // On each level one child waits, and below those of each hierarchy stands a mark.
+        if levels + below + 2 > BVH_STACK {
             return fail("the hierarchies are deeper than the kernels' stack");
         }
         Ok(())
@@ -229,9 +268,9 @@ fn levels(nodes: &[BvhNode], range: Range<usize>, leaves: Range<usize>) -> Resul
             return fail("a node of a hierarchy has no parent before it");
         }
         for child in [&nodes[place].left, &nodes[place].right] {
-            let first = child.first as usize;
-            if child.count > 0 {
-                if first < leaves.start || first + child.count as usize > leaves.end {
+            let (first, count) = (child.first() as usize, child.count() as usize);
+            if count > 0 {
+                if first < leaves.start || first + count > leaves.end {
                     return fail("a leaf of a hierarchy is not there");
                 }
                 continue;
@@ -254,11 +293,13 @@ fn fail<T>(what: &str) -> Result<T, BrokenScene> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
 
     /// One sphere below a hierarchy of these nodes, their children given as `first` and `count`.
     fn with_nodes(nodes: &[[(u32, u32); 2]]) -> SceneBuffers {
-        let child = |(first, count): (u32, u32)| BvhChild { first, count, ..BvhChild::default() };
+        let child = |(first, count): (u32, u32)| BvhChild::new([[0.0; 3]; 2], first, count);
         let node = |&[left, right]: &[(u32, u32); 2]| BvhNode { left: child(left), right: child(right) };
         SceneBuffers {
             camera: vec![Camera::default()].into(),

@@ -47,8 +47,10 @@ pub enum TranslationError {
         /// How many there may be.
         limit: usize,
     },
-    /// Lists over triangles are numbered in 32 bits.
-    #[error("the meshes of this scene have more than 4 billion triangles, nodes or words of vertex data together")]
+    /// Places in lists over triangles have 30 bits, those in lists over vertices 32.
+    #[error(
+        "the meshes of this scene have more than 1 billion triangles or nodes, or 4 billion words of vertex data, together"
+    )]
     TooManyTriangles,
     /// More texels than kernels can address.
     #[error(

@@ -13,7 +13,7 @@ use obvhs::{Boundable, BvhBuildParams};
 use raggio_kernels::BvhNode;
 
 /// Levels that a hierarchy may have; the kernels' stack has room for one of shapes over one of triangles.
-const MOST_LEVELS: u32 = (raggio_kernels::BVH_STACK - 1) / 2;
+const MOST_LEVELS: u32 = raggio_kernels::BVH_STACK / 2 - 1;
 
 /// Fewer shapes are built anew within a millisecond or so.
 const WORTH_REFITTING: usize = 4096;

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
-use raggio_kernels::{BvhNode, Mesh as DeviceMesh, NONE, SceneBuffers, Triangle};
+use raggio_kernels::{BvhNode, MOST_IN_HIERARCHY, Mesh as DeviceMesh, NONE, SceneBuffers, Triangle};
 use raggio_scene::Mesh;
 use rayon::prelude::*;
 
@@ -71,13 +71,13 @@ impl Meshes {
     }
 
     fn append(&mut self, mesh: Arc<Mesh>, part: Part) -> Result<(), TranslationError> {
-        let place = |len: usize, more: usize| {
-            let fits = u32::try_from(len + more).is_ok();
-            if fits { Ok(len as u32) } else { Err(TranslationError::TooManyTriangles) }
+        let place = |len: usize, more: usize, most: u32| match len + more <= most as usize {
+            true => Ok(len as u32),
+            false => Err(TranslationError::TooManyTriangles),
         };
-        let root = place(self.nodes.len(), part.nodes.len())?;
-        let first_triangle = place(self.triangles.len(), part.triangles.len())?;
-        let attributes = place(self.attributes.len(), part.attributes.len())?;
+        let root = place(self.nodes.len(), part.nodes.len(), MOST_IN_HIERARCHY)?;
+        let first_triangle = place(self.triangles.len(), part.triangles.len(), MOST_IN_HIERARCHY)?;
+        let attributes = place(self.attributes.len(), part.attributes.len(), u32::MAX)?;
         let behind = |list: u32| if list == NONE { NONE } else { attributes + list };
         let DeviceMesh { normals, tangents, uv0, uv1, colors, .. } = part.info;
         let [normals, tangents, uv0, uv1, colors] = [normals, tangents, uv0, uv1, colors].map(behind);

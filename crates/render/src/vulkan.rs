@@ -125,7 +125,7 @@ impl Kernels {
         let mut buffers = Vec::new();
         for (i, (&binding, b)) in SCENE_BINDINGS.iter().zip(scene.bytes()).enumerate() {
             // `old` keeps its lists alive, so the same address is the same list.
-            let same = |old: &&Resident| std::ptr::eq(old.scene.bytes()[i].bytes, b.bytes);
+            let same = |old: &&Resident| old.scene.bytes()[i].same(&b);
             let buffer = match old.filter(same) {
                 Some(old) => old.buffers[i].1.clone(),
                 None => Arc::new(Buffer::with_bytes(&self.context, b.name, b.bytes)?),

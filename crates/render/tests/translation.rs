@@ -57,16 +57,16 @@ enum Child {
 fn children(node: &BvhNode) -> Vec<Child> {
     let point = |p: [f32; 3]| Vec3::from(p).as_dvec3();
     let child = |child: &BvhChild| {
-        let inside = [point(child.lower), point(child.upper)];
-        let first = child.first as usize;
-        match child.count {
+        let inside = child.corners().map(point);
+        let first = child.first() as usize;
+        match child.count() {
             0 => Child::Node(first, inside),
             count => Child::Leaves(first..first + count as usize, inside),
         }
     };
     // A single leaf is both children of its node, the second time where no ray goes.
     let mut found = vec![child(&node.left)];
-    if node.right.lower != [1e30; 3] {
+    if node.right.corners()[0] != [1e30; 3] {
         found.push(child(&node.right));
     }
     found

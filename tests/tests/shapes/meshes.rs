@@ -47,7 +47,8 @@ fn soup(count: usize, room: f64, random: &mut Pcg) -> Arc<Mesh> {
         let (at, size) = (random.in_cube(room), room * random.log_between(1e-3, 0.5));
         let [mut b, c] = [random.in_cube(size), random.in_cube(size)];
         if random.below(4) == 0 {
-            b = c * random.between(-2.0, 2.0) + random.in_cube(size * 1e-3);
+            let thickness = random.log_between(1e-9, 1e-2);
+            b = c * random.between(-2.0, 2.0) + random.in_cube(size * thickness);
         }
         positions.extend([at, at + b, at + c].map(|p| p.as_vec3().to_array()));
     }

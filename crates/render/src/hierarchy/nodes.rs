@@ -27,8 +27,8 @@ pub(super) fn translate(nodes: &[Bvh2Node], order: &[u32]) -> Hierarchy {
     let tree = Tree { nodes, order, room };
     if tree.is_leaf(0) {
         // A node has two children: this one's other is the same leaf again, so far away that no ray finds it.
-        let left = BvhChild { count: nodes[0].prim_count, ..tree.child(0, 0) };
-        let right = BvhChild { lower: [NOWHERE; 3], upper: [NOWHERE; 3], ..left };
+        let left = tree.child(0, 0, nodes[0].prim_count);
+        let right = BvhChild::new([[NOWHERE; 3]; 2], 0, left.count());
         return Hierarchy { nodes: vec![BvhNode { left, right }], order: order.to_vec(), levels: 1 };
     }
     // Threads translate the subtrees below a cut, and one of them what is above.
@@ -82,15 +82,9 @@ impl Tree<'_> {
         if leaves > LEAVES { 0 } else { leaves }
     }
 
-    /// The box of `node`, as a node at `first`.
-    fn child(&self, node: usize, first: usize) -> BvhChild {
-        let Aabb { min, max } = *self.nodes[node].aabb();
-        BvhChild {
-            lower: (min - self.room).to_array(),
-            upper: (max + self.room).to_array(),
-            first: first as u32,
-            count: 0,
-        }
+    /// The box of `node` around `count` leaves from place `first` on, or around the node `first`.
+    fn child(&self, node: usize, first: usize, count: u32) -> BvhChild {
+        around(self.nodes[node].aabb(), self.room, first as u32, count)
     }
 
     /// The tree below `root`, which is no leaf; below the nodes `cut` it is already there.
@@ -103,17 +97,17 @@ impl Tree<'_> {
             let [left, right] = self.children(node).map(|child| {
                 if let Some(known) = cut.iter().position(|known| *known == child) {
                     let first = append(&mut made, level + 1, &known_trees[known]);
-                    return self.child(child, first);
+                    return self.child(child, first, 0);
                 }
                 let leaves = self.leaves(child);
                 if leaves > 0 {
                     let first = made.order.len();
                     self.gather(child, &mut made.order);
-                    return BvhChild { count: leaves, ..self.child(child, first) };
+                    return self.child(child, first, leaves);
                 }
                 waiting.push((made.nodes.len(), level + 1, child));
                 made.nodes.push(BvhNode::default());
-                self.child(child, made.nodes.len() - 1)
+                self.child(child, made.nodes.len() - 1, 0)
             });
             made.nodes[place] = BvhNode { left, right };
         }
@@ -131,6 +125,11 @@ impl Tree<'_> {
     }
 }
 
+/// A child whose box is `room` larger than `inside`.
+fn around(inside: &Aabb, room: Vec3A, first: u32, count: u32) -> BvhChild {
+    BvhChild::new([(inside.min - room).to_array(), (inside.max + room).to_array()], first, count)
+}
+
 /// Puts the tree `part`, whose root is on `level`, behind `tree`; returns where its root is.
 fn append(tree: &mut Hierarchy, level: u32, part: &Hierarchy) -> usize {
     let (nodes, leaves) = (tree.nodes.len(), tree.order.len());
@@ -143,8 +142,8 @@ fn append(tree: &mut Hierarchy, level: u32, part: &Hierarchy) -> usize {
 /// A node whose nodes and leaves stand so many places further.
 pub(crate) fn moved(node: &BvhNode, nodes: u32, leaves: u32) -> BvhNode {
     let moved = |child: BvhChild| {
-        let first = child.first + if child.count == 0 { nodes } else { leaves };
-        BvhChild { first, ..child }
+        let first = child.first() + if child.count() == 0 { nodes } else { leaves };
+        BvhChild::new(child.corners(), first, child.count())
     };
     BvhNode { left: moved(node.left), right: moved(node.right) }
 }
@@ -155,25 +154,23 @@ pub(super) fn refit(nodes: &[BvhNode], first_place: u32, order: &[u32], boxes: &
     let mut nodes = nodes.to_vec();
     let all = boxes.iter().flatten().map(|bounds| bounds.aabb()).reduce(|a, b| a.union(&b)).unwrap_or(Aabb::empty());
     let room = Vec3A::splat(ROOM * all.min.abs().max(all.max.abs()).max_element());
-    let mut around = vec![Aabb::empty(); nodes.len()];
+    let mut boxes_of_nodes = vec![Aabb::empty(); nodes.len()];
     // Children stand behind their parents.
     for place in (0..nodes.len()).rev() {
         let fitted = |child: BvhChild| {
-            let first = child.first as usize;
-            if child.count == 0 {
-                return around[first];
+            let first = child.first() as usize;
+            if child.count() == 0 {
+                return boxes_of_nodes[first];
             }
-            let leaves = &order[first - first_place as usize..][..child.count as usize];
+            let leaves = &order[first - first_place as usize..][..child.count() as usize];
             let boxes = leaves.iter().filter_map(|&i| boxes[i as usize]).map(|bounds| bounds.aabb());
             boxes.reduce(|a, b| a.union(&b)).unwrap_or(Aabb::empty())
         };
-        let [left, right] = [nodes[place].left, nodes[place].right].map(fitted);
-        around[place] = left.union(&right);
-        let BvhNode { left: left_child, right: right_child } = &mut nodes[place];
-        for (child, aabb) in [(left_child, left), (right_child, right)] {
-            child.lower = (aabb.min - room).to_array();
-            child.upper = (aabb.max + room).to_array();
-        }
+        let BvhNode { left, right } = nodes[place];
+        let [left_box, right_box] = [left, right].map(fitted);
+        boxes_of_nodes[place] = left_box.union(&right_box);
+        let moved = |child: BvhChild, aabb| around(aabb, room, child.first(), child.count());
+        nodes[place] = BvhNode { left: moved(left, &left_box), right: moved(right, &right_box) };
     }
     nodes
 }
@@ -181,7 +178,8 @@ pub(super) fn refit(nodes: &[BvhNode], first_place: u32, order: &[u32], boxes: &
 /// What following a hierarchy costs on average, but for a factor: the area of its boxes over that of the root's.
 pub(super) fn cost(nodes: &[BvhNode]) -> f64 {
     let area = |child: &BvhChild| {
-        let [x, y, z] = std::array::from_fn(|i| f64::from(child.upper[i]) - f64::from(child.lower[i]));
+        let [lower, upper] = child.corners().map(|corner| corner.map(f64::from));
+        let [x, y, z] = std::array::from_fn(|i| upper[i] - lower[i]);
         x * y + y * z + z * x
     };
     let root = nodes.first().map_or(0.0, |root| area(&root.left).max(area(&root.right)));
