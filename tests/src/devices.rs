@@ -64,7 +64,8 @@ pub fn vulkan() -> Option<&'static dyn Device> {
     VULKAN.get_or_init(open_vulkan).as_deref()
 }
 
-fn open_vulkan() -> Option<Box<dyn Device>> {
+/// The same device once more, for tests that change it.
+pub fn open_vulkan() -> Option<Box<dyn Device>> {
     let required = std::env::var("RAGGIO_TEST_EVERYTHING").is_ok_and(|value| value == "1");
     match open(DeviceChoice::Vulkan(None), OpenOptions { validate: true, ..OpenOptions::default() }, |_| ()) {
         Ok(device) => Some(device),

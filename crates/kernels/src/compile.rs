@@ -53,11 +53,13 @@ fn compile(folder: &Path) -> Result<(Spirv, Vec<String>), String> {
     let output = room.path().join("kernels.spv");
     slangc::compile_spirv(&slangc, &kernels, &output)?;
     let lost = |e: std::io::Error| format!("cannot read what slangc wrote: {e}");
-    let full = std::fs::read(&output).map_err(lost)?.into();
-    let simple = std::fs::read(slangc::simple_path(&output)).map_err(lost)?.into();
+    let mut spirv = crate::SPIRV;
+    for (code, (ending, _)) in spirv.0.iter_mut().zip(slangc::VARIANTS) {
+        *code = std::fs::read(output.with_extension(ending)).map_err(lost)?.into();
+    }
     let reflection = std::fs::read_to_string(output.with_extension("json")).map_err(lost)?;
     let shared = shared_with_host(&reflection, &Declarations::read(&kernels)?.text())?;
-    Ok((Spirv { full, simple }, shared))
+    Ok((spirv, shared))
 }
 
 /// Structures, parameters, entry points, enumerations and constants, a line each: the name, a colon, all there is to know.

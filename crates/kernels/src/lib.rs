@@ -12,20 +12,51 @@ use std::borrow::Cow;
 
 pub use layout::*;
 
-/// SPIR-V modules with all entry points (Vulkan 1.2, scalar block layout), in both variants of `kernels/variant.slang`.
+/// What kernels know of a scene and what they do not; they are fastest that know least.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Variant {
+    /// Of neither principled materials nor lights without size: `kernels/variant.slang`.
+    pub simple: bool,
+    /// Of lists of any length: `kernels/lists.slang`. The scene is not storage buffers but one uniform buffer at binding 0,
+    /// with the addresses of the lists in the order of [`SCENE_BINDINGS`], which takes `bufferDeviceAddress`.
+    pub wide: bool,
+}
+
+impl Variant {
+    /// The simple one.
+    pub const SIMPLE: Self = Self { simple: true, wide: false };
+    /// All there are.
+    pub const ALL: [Self; 4] = [
+        Self { simple: false, wide: false },
+        Self::SIMPLE,
+        Self { simple: false, wide: true },
+        Self { simple: true, wide: true },
+    ];
+
+    /// Its place in [`Variant::ALL`].
+    pub fn index(self) -> usize {
+        usize::from(self.simple) + 2 * usize::from(self.wide)
+    }
+}
+
+/// SPIR-V modules with all entry points (Vulkan 1.2, scalar block layout), one for each [`Variant`].
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Spirv {
-    /// For any scene.
-    pub full: Cow<'static, [u8]>,
-    /// For scenes without principled materials and lights without size.
-    pub simple: Cow<'static, [u8]>,
+pub struct Spirv([Cow<'static, [u8]>; Variant::ALL.len()]);
+
+impl Spirv {
+    /// The module of `variant`.
+    pub fn code(&self, variant: Variant) -> &[u8] {
+        &self.0[variant.index()]
+    }
 }
 
 /// What the program was built with.
-pub const SPIRV: Spirv = Spirv {
-    full: Cow::Borrowed(include_bytes!(concat!(env!("OUT_DIR"), "/kernels.spv"))),
-    simple: Cow::Borrowed(include_bytes!(concat!(env!("OUT_DIR"), "/kernels.simple.spv"))),
-};
+pub const SPIRV: Spirv = Spirv([
+    Cow::Borrowed(include_bytes!(concat!(env!("OUT_DIR"), "/kernels.spv"))),
+    Cow::Borrowed(include_bytes!(concat!(env!("OUT_DIR"), "/kernels.simple.spv"))),
+    Cow::Borrowed(include_bytes!(concat!(env!("OUT_DIR"), "/kernels.wide.spv"))),
+    Cow::Borrowed(include_bytes!(concat!(env!("OUT_DIR"), "/kernels.simple.wide.spv"))),
+]);
 
 /// Threads in a workgroup of the image kernels, in x and y.
 pub const IMAGE_GROUP: u32 = 8;
@@ -46,6 +77,9 @@ pub enum EntryPoint {
 }
 
 impl EntryPoint {
+    /// All there are, in order.
+    pub const ALL: [Self; 4] = [Self::Render, Self::Inspect, Self::Display, Self::Probe];
+
     /// The one that adds samples to the film of `feature`.
     pub fn sampling(feature: Feature) -> Self {
         if feature == Feature::Radiance { Self::Render } else { Self::Inspect }

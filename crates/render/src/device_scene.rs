@@ -47,6 +47,18 @@ pub enum TranslationError {
         /// How many there may be.
         limit: usize,
     },
+    /// Hierarchies that this machine has no memory to build.
+    #[error(
+        "building the hierarchies of {triangles} triangles takes {needed_gib:.1} GiB of memory, and this machine has {free_gib:.1} GiB free"
+    )]
+    TooMuchMemory {
+        /// In meshes that are not built yet.
+        triangles: usize,
+        /// What they take while they are built.
+        needed_gib: f64,
+        /// What there is.
+        free_gib: f64,
+    },
     /// Places in lists over triangles have 30 bits, those in lists over vertices 32.
     #[error(
         "the meshes of this scene have more than 1 billion triangles or nodes, or 4 billion words of vertex data, together"

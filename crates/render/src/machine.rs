@@ -37,6 +37,11 @@ pub fn processor_name() -> String {
     line.unwrap_or_else(|| format!("{} processor", std::env::consts::ARCH))
 }
 
+/// Memory that this machine could still give; `None` where the system does not tell.
+pub(crate) fn free_memory_bytes() -> Option<u64> {
+    kibibytes("/proc/meminfo", "MemAvailable")
+}
+
 /// Memory of this machine; `None` where the system does not tell.
 pub fn total_memory_bytes() -> Option<u64> {
     kibibytes("/proc/meminfo", "MemTotal")

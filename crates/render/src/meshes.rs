@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use crate::device_scene::TranslationError;
 use crate::hierarchy::{Bounds, Hierarchy, moved};
+use crate::machine;
 
 /// The meshes of a scene, one behind the other. Kept from edit to edit: a mesh is built once.
 #[derive(Clone, Debug, Default)]
@@ -43,6 +44,8 @@ impl Meshes {
         if new.is_empty() {
             return Ok(());
         }
+        let triangles = new.iter().map(|mesh| mesh.triangles.len()).sum();
+        check_memory(triangles, machine::free_memory_bytes())?;
         // Each is built on all threads if it is large, and many are built at once.
         let parts: Vec<_> = new.par_iter().map(|mesh| Part::build(mesh)).collect();
         for (mesh, part) in new.into_iter().zip(parts) {
@@ -92,6 +95,21 @@ impl Meshes {
         self.places.insert(address(&mesh), self.known.len());
         self.known.push(Known { mesh, bounds: part.bounds });
         Ok(())
+    }
+}
+
+/// Bytes for each triangle while its mesh is built, measured: boxes, the builder's nodes and what it sorts by, the nodes
+/// and triangles of the device.
+const BUILD_BYTES: u64 = 220;
+
+fn check_memory(triangles: usize, free: Option<u64>) -> Result<(), TranslationError> {
+    let needed = triangles as u64 * BUILD_BYTES;
+    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    match free {
+        Some(free) if needed > free => {
+            Err(TranslationError::TooMuchMemory { triangles, needed_gib: gib(needed), free_gib: gib(free) })
+        }
+        _ => Ok(()),
     }
 }
 
@@ -206,4 +224,20 @@ fn pack_tangent(tangent: &[f32; 4]) -> u32 {
 fn pack_color(color: &[f32; 4]) -> [u32; 2] {
     let [r, g, b, a] = color.map(|c| (c.clamp(0.0, 1.0) * 65535.0).round() as u32);
     [r | g << 16, b | a << 16]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_is_told_before_it_is_taken() {
+        let free = Some(3 << 30);
+        assert_eq!(check_memory(14_000_000, free), Ok(()));
+        let refused = check_memory(15_000_000, free).expect_err("more than there is").to_string();
+        let told =
+            "building the hierarchies of 15000000 triangles takes 3.1 GiB of memory, and this machine has 3.0 GiB free";
+        assert_eq!(refused, told);
+        assert_eq!(check_memory(usize::MAX / 256, None), Ok(()));
+    }
 }

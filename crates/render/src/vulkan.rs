@@ -1,14 +1,15 @@
 //! A Vulkan device.
 
-use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use raggio_kernels::{
-    EntryPoint, FILM_BINDING, Feature, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, SCENE_BINDINGS, SCENE_SET,
-    SPIRV, SceneBuffers, Spirv, Work,
+    BufferBytes, EntryPoint, FILM_BINDING, Feature, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, SCENE_BINDINGS,
+    SCENE_SET, SPIRV, SceneBuffers, Spirv, Variant, Work,
 };
-use raggio_vulkan::{BindingSet, Buffer, Device as VulkanContext, Location, Module, PhysicalDevice, Pipeline};
+use raggio_vulkan::{
+    BindingSet, Buffer, Device as VulkanContext, Location, Module, PhysicalDevice, Pipeline, SetLayout,
+};
 
 use crate::device::{Answer, Device, DeviceError, Pixels, Question, Session};
 use crate::device_scene::DeviceScene;
@@ -30,23 +31,20 @@ pub struct VulkanDevice {
     kernels: Arc<Kernels>,
 }
 
-/// What sessions share: the device and its compiled kernels.
+/// What sessions share: the device and its kernels.
 struct Kernels {
     context: Arc<VulkanContext>,
-    module: Arc<Module>,
-    simple_spirv: Cow<'static, [u8]>,
-    /// Each is compiled when it is first needed: of all scenes' kernels, and of simple ones'.
-    full: Pipelines,
-    simple: Pipelines,
+    spirv: Spirv,
+    /// In the order of `Variant::ALL`.
+    compiled: [Compiled; Variant::ALL.len()],
 }
 
-/// A pipeline for each entry point.
+/// The kernels of a variant, each compiled when it is first needed.
 #[derive(Default)]
-struct Pipelines {
-    render: OnceLock<Pipeline>,
-    inspect: OnceLock<Pipeline>,
-    display: OnceLock<Pipeline>,
-    probe: OnceLock<Pipeline>,
+struct Compiled {
+    module: OnceLock<Arc<Module>>,
+    /// In the order of `EntryPoint::ALL`.
+    pipelines: [OnceLock<Pipeline>; EntryPoint::ALL.len()],
 }
 
 impl VulkanDevice {
@@ -57,16 +55,9 @@ impl VulkanDevice {
 
     /// Compiles other kernels of the same layout for an open device.
     pub fn with_kernels(context: Arc<VulkanContext>, spirv: &Spirv) -> Result<Self, DeviceError> {
-        let mut bindings = vec![Vec::new(); 2];
-        bindings[BUFFER_SET as usize] = vec![FILM_BINDING, OUTPUT_BINDING, INPUT_BINDING];
-        bindings[SCENE_SET as usize] = SCENE_BINDINGS.to_vec();
-        let push_bytes = size_of::<Work>() as u32;
-        let module = Module::new(&context, &spirv.full, &bindings, push_bytes)?;
-        let simple_spirv = spirv.simple.clone();
-        let (full, simple) = (Pipelines::default(), Pipelines::default());
-        let kernels = Kernels { context, module, simple_spirv, full, simple };
+        let kernels = Kernels { context, spirv: spirv.clone(), compiled: Default::default() };
         // Kernels that the driver refuses are refused at once, and nobody waits for them later.
-        kernels.pipeline(EntryPoint::Render, false)?;
+        kernels.pipeline(EntryPoint::Render, Variant::SIMPLE)?;
         Ok(Self { kernels: Arc::new(kernels) })
     }
 
@@ -101,49 +92,68 @@ impl Device for VulkanDevice {
 }
 
 impl Kernels {
-    /// The pipeline of `entry`: of the kernels for any scene if `full`, else of those for simple ones.
-    fn pipeline(&self, entry: EntryPoint, full: bool) -> Result<&Pipeline, DeviceError> {
-        let pipelines = if full { &self.full } else { &self.simple };
-        let place = match entry {
-            EntryPoint::Render => &pipelines.render,
-            EntryPoint::Inspect => &pipelines.inspect,
-            EntryPoint::Display => &pipelines.display,
-            EntryPoint::Probe => &pipelines.probe,
-        };
+    /// The kernels of `variant` and their layout. Layouts of variants that are not wide are one layout to Vulkan.
+    fn module(&self, variant: Variant) -> Result<&Arc<Module>, DeviceError> {
+        let place = &self.compiled[variant.index()].module;
+        if let Some(module) = place.get() {
+            return Ok(module);
+        }
+        let scene = if variant.wide { SetLayout::Addresses } else { SetLayout::Buffers(SCENE_BINDINGS.to_vec()) };
+        let mut sets = [scene.clone(), scene];
+        sets[BUFFER_SET as usize] = SetLayout::Buffers(vec![FILM_BINDING, OUTPUT_BINDING, INPUT_BINDING]);
+        let module = Module::new(&self.context, self.spirv.code(variant), &sets, size_of::<Work>() as u32)?;
+        Ok(place.get_or_init(|| module))
+    }
+
+    fn pipeline(&self, entry: EntryPoint, variant: Variant) -> Result<&Pipeline, DeviceError> {
+        let place = &self.compiled[variant.index()].pipelines[entry as usize];
         if let Some(pipeline) = place.get() {
             return Ok(pipeline);
         }
-        let pipeline = match full {
-            true => self.module.pipeline(entry.name())?,
-            false => self.module.variant(&self.simple_spirv, entry.name())?,
-        };
+        let pipeline = self.module(variant)?.pipeline(entry.name())?;
         Ok(place.get_or_init(|| pipeline))
+    }
+
+    /// A set of what kernels write, and read besides the scene.
+    fn bind(&self, buffers: &[(u32, Arc<Buffer>)]) -> Result<BindingSet, DeviceError> {
+        Ok(self.module(Variant::SIMPLE)?.bind(BUFFER_SET, buffers)?)
     }
 
     /// Makes `scene` resident; what it shares with `old` is there already.
     fn upload(&self, scene: &SceneBuffers, old: Option<&Resident>) -> Result<Resident, DeviceError> {
-        let mut buffers = Vec::new();
-        for (i, (&binding, b)) in SCENE_BINDINGS.iter().zip(scene.bytes()).enumerate() {
-            // `old` keeps its lists alive, so the same address is the same list.
-            let same = |old: &&Resident| old.scene.bytes()[i].same(&b);
-            let buffer = match old.filter(same) {
-                Some(old) => old.buffers[i].1.clone(),
-                None => Arc::new(Buffer::with_bytes(&self.context, b.name, b.bytes)?),
-            };
-            buffers.push((binding, buffer));
-        }
-        let set = self.module.bind(SCENE_SET, &buffers)?;
-        Ok(Resident { scene: scene.clone(), buffers, set })
+        // `old` keeps its lists alive, so the same address is the same list.
+        let resident = |i: usize, list: &BufferBytes<'_>| {
+            let old = old.filter(|old| old.scene.bytes()[i].same(list))?;
+            Some(old.buffers[i].1.clone())
+        };
+        let lists = scene.bytes();
+        let kept: Vec<_> = lists.iter().enumerate().map(|(i, list)| resident(i, list)).collect();
+        let new = lists.iter().zip(&kept).filter(|(_, kept)| kept.is_none());
+        self.context.check_room("this scene", new.map(|(list, _)| list.bytes.len() as u64).sum())?;
+
+        let buffers = SCENE_BINDINGS.iter().zip(lists).zip(kept).map(|((&binding, list), kept)| {
+            let upload = || Buffer::with_bytes(&self.context, list.name, list.bytes).map(Arc::new);
+            Ok((binding, kept.map_or_else(upload, Ok)?))
+        });
+        let buffers: Vec<_> = buffers.collect::<Result<_, DeviceError>>()?;
+        let limit = self.context.max_binding_bytes();
+        let variant = Variant {
+            simple: scene.principled.is_empty() && scene.lights.is_empty(),
+            wide: self.context.has_addresses() && buffers.iter().any(|(_, buffer)| buffer.size() > limit),
+        };
+        let set = self.module(variant)?.bind(SCENE_SET, &buffers)?;
+        Ok(Resident { scene: scene.clone(), buffers, variant, set })
     }
 
     /// An empty film, in bands.
     fn film(&self, work: &Work) -> Result<Vec<Band>, DeviceError> {
         let row_bytes = u64::from(work.width) * size_of::<FilmPixel>() as u64;
+        self.context.check_room("the film", row_bytes * u64::from(work.height))?;
         let band_rows = (BAND_BYTES / row_bytes).max(1).min(u64::from(work.height)) as u32;
         let bands = (0..work.height).step_by(band_rows as usize).map(|first| {
             let rows = first..work.height.min(first + band_rows);
             let film = Arc::new(Buffer::zeroed(&self.context, "film", row_bytes * rows.len() as u64)?);
-            let set = self.module.bind(BUFFER_SET, &[(FILM_BINDING, film.clone())])?;
+            let set = self.bind(&[(FILM_BINDING, film.clone())])?;
             Ok(Band { rows, film, set })
         });
         bands.collect()
@@ -161,7 +171,7 @@ impl Kernels {
         let sets = bands.iter().map(|band| {
             let (film, pixels, reference) = (band.film.clone(), pixels.clone(), reference.clone());
             let bindings = [(FILM_BINDING, film), (OUTPUT_BINDING, pixels), (INPUT_BINDING, reference)];
-            Ok(self.module.bind(BUFFER_SET, &bindings)?)
+            self.bind(&bindings)
         });
         let sets = sets.collect::<Result<_, DeviceError>>()?;
         Ok(Output { pixels, sets })
@@ -173,14 +183,8 @@ struct Resident {
     scene: SceneBuffers,
     /// By binding.
     buffers: Vec<(u32, Arc<Buffer>)>,
+    variant: Variant,
     set: BindingSet,
-}
-
-impl Resident {
-    /// Whether it takes the kernels for any scene.
-    fn is_full(&self) -> bool {
-        !self.scene.principled.is_empty() || !self.scene.lights.is_empty()
-    }
 }
 
 /// A run of rows of the film, in a buffer of its own.
@@ -218,7 +222,7 @@ impl Session for VulkanSession {
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
         let feature = self.films.feature();
         let entry = EntryPoint::sampling(feature);
-        let pipeline = self.kernels.pipeline(entry, self.resident.is_full())?;
+        let pipeline = self.kernels.pipeline(entry, self.resident.variant)?;
         for band in self.films.shown() {
             let first = rows.start.max(band.rows.start);
             let end = rows.end.min(band.rows.end);
@@ -276,7 +280,7 @@ impl Session for VulkanSession {
             None => self.kernels.output(&self.work, self.films.shown(), self.reference.as_ref())?,
         };
         let work = display.apply(self.work, self.reference.is_some());
-        let pipeline = self.kernels.pipeline(EntryPoint::Display, false)?;
+        let pipeline = self.kernels.pipeline(EntryPoint::Display, Variant::SIMPLE)?;
         self.kernels.context.run(|passes| {
             for (band, set) in self.films.shown().iter().zip(&output.sets) {
                 let (first, rows) = (band.rows.start, band.rows.len() as u32);
@@ -310,10 +314,12 @@ impl Session for VulkanSession {
         let work = Work { probe: probe as u32, count: questions.len() as u32, ..self.work };
         let input = Arc::new(Buffer::with_bytes(context, "questions", bytemuck::cast_slice(questions))?);
         let output = Arc::new(Buffer::zeroed(context, "answers", size_of_val(questions) as u64)?);
-        let set = self.kernels.module.bind(BUFFER_SET, &[(INPUT_BINDING, input), (OUTPUT_BINDING, output.clone())])?;
+        let set = self.kernels.bind(&[(INPUT_BINDING, input), (OUTPUT_BINDING, output.clone())])?;
         let sets = [&set, &self.resident.set];
         let groups = EntryPoint::Probe.groups(&work);
-        let pipeline = self.kernels.pipeline(EntryPoint::Probe, probe.is_full() || self.resident.is_full())?;
+        let Variant { simple, wide } = self.resident.variant;
+        let variant = Variant { simple: simple && !probe.is_full(), wide };
+        let pipeline = self.kernels.pipeline(EntryPoint::Probe, variant)?;
         context.run(|passes| passes.compute(pipeline, &sets, bytemuck::bytes_of(&work), groups))?;
         Ok(bytemuck::allocation::pod_collect_to_vec(&output.read()?))
     }

@@ -22,6 +22,8 @@ pub enum Location {
 pub struct Buffer {
     pub(crate) raw: vk::Buffer,
     size: u64,
+    what: String,
+    addressed: bool,
     allocation: Option<Allocation>,
     pub(crate) device: Arc<Device>,
 }
@@ -29,23 +31,28 @@ pub struct Buffer {
 impl Buffer {
     /// `size` bytes (at least 1 is taken), undefined until written. `what` names it in errors.
     pub fn new(device: &Arc<Device>, what: &str, size: u64, location: Location) -> Result<Self, VulkanError> {
+        // What cannot be reached by address is reached by a descriptor.
+        let addressed = location == Location::Device && device.physical.addresses;
         let limit = match location {
-            Location::Device => device.max_binding_bytes(),
+            Location::Device if !addressed => device.max_binding_bytes(),
             _ => device.physical.max_buffer_size,
         };
         if size > limit {
-            let name = device.physical.name.clone();
-            return Err(VulkanError::TooLarge { what: what.into(), name, needed: size, limit });
+            return Err(device.too_large(what, size, limit));
         }
-        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+        let mut usage = vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::UNIFORM_BUFFER
             | vk::BufferUsageFlags::TRANSFER_SRC
             | vk::BufferUsageFlags::TRANSFER_DST;
+        if addressed {
+            usage |= vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS;
+        }
         // An empty binding is not allowed: the smallest buffer has 16 bytes.
         let info = vk::BufferCreateInfo::default().size(size.max(16)).usage(usage);
         // SAFETY: the device is alive; `raw` is destroyed below or in `Drop`.
         let raw = unsafe { device.raw.create_buffer(&info, None) }.during("vkCreateBuffer")?;
         // From here on `Drop` cleans up.
-        let mut buffer = Self { raw, size, allocation: None, device: device.clone() };
+        let mut buffer = Self { raw, size, what: what.into(), addressed, allocation: None, device: device.clone() };
 
         // SAFETY: `raw` was just created from this device.
         let requirements = unsafe { device.raw.get_buffer_memory_requirements(raw) };
@@ -73,6 +80,19 @@ impl Buffer {
     /// Bytes asked for.
     pub fn size(&self) -> u64 {
         self.size
+    }
+
+    /// Where kernels find it, if they can reach buffers by address.
+    pub(crate) fn address(&self) -> Option<u64> {
+        let info = vk::BufferDeviceAddressInfo::default().buffer(self.raw);
+        // SAFETY: the feature is enabled and the buffer was made for it.
+        self.addressed.then(|| unsafe { self.device.raw.get_buffer_device_address(&info) })
+    }
+
+    /// An error if descriptors cannot refer to all of it.
+    pub(crate) fn check_bindable(&self) -> Result<(), VulkanError> {
+        let limit = self.device.max_binding_bytes();
+        if self.size > limit { Err(self.device.too_large(&self.what, self.size, limit)) } else { Ok(()) }
     }
 
     pub(crate) fn mapped(&self) -> &[u8] {

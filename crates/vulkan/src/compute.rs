@@ -7,11 +7,20 @@ use crate::buffer::Buffer;
 use crate::device::Device;
 use crate::error::{During, VulkanError};
 
-/// A SPIR-V module with the layout that its entry points share: descriptor sets of storage buffers, one push block.
+/// What a descriptor set holds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SetLayout {
+    /// Storage buffers, at these bindings.
+    Buffers(Vec<u32>),
+    /// At binding 0 a uniform buffer with the addresses of buffers, one behind the other.
+    Addresses,
+}
+
+/// A SPIR-V module with the layout that its entry points share: descriptor sets, one push block.
 pub struct Module {
     pub(crate) layout: vk::PipelineLayout,
     pub(crate) push_bytes: u32,
-    sets: Vec<vk::DescriptorSetLayout>,
+    sets: Vec<(SetLayout, vk::DescriptorSetLayout)>,
     shader: vk::ShaderModule,
     device: Arc<Device>,
 }
@@ -33,12 +42,11 @@ pub struct BindingSet {
 }
 
 impl Module {
-    /// `bindings[set]` lists the storage buffers of each descriptor set by binding number; `push_bytes` is the size of
-    /// the push block.
+    /// `sets` lists what each descriptor set holds; `push_bytes` is the size of the push block.
     pub fn new(
         device: &Arc<Device>,
         spirv: &[u8],
-        bindings: &[Vec<u32>],
+        sets: &[SetLayout],
         push_bytes: u32,
     ) -> Result<Arc<Self>, VulkanError> {
         let mut module = Self {
@@ -55,52 +63,47 @@ impl Module {
         unsafe {
             let info = vk::ShaderModuleCreateInfo::default().code(&code);
             module.shader = device.raw.create_shader_module(&info, None).during("vkCreateShaderModule")?;
-            for set in bindings {
-                let slots: Vec<_> = set
-                    .iter()
-                    .map(|&binding| {
-                        vk::DescriptorSetLayoutBinding::default()
-                            .binding(binding)
-                            .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
-                            .descriptor_count(1)
-                            .stage_flags(vk::ShaderStageFlags::COMPUTE)
-                    })
-                    .collect();
+            for set in sets {
+                let (bindings, kind) = match set {
+                    SetLayout::Buffers(bindings) => (&bindings[..], vk::DescriptorType::STORAGE_BUFFER),
+                    SetLayout::Addresses => (&[0][..], vk::DescriptorType::UNIFORM_BUFFER),
+                };
+                let slot = |&binding: &u32| {
+                    vk::DescriptorSetLayoutBinding::default()
+                        .binding(binding)
+                        .descriptor_type(kind)
+                        .descriptor_count(1)
+                        .stage_flags(vk::ShaderStageFlags::COMPUTE)
+                };
+                let slots: Vec<_> = bindings.iter().map(slot).collect();
                 let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&slots);
                 let layout =
                     device.raw.create_descriptor_set_layout(&info, None).during("vkCreateDescriptorSetLayout")?;
-                module.sets.push(layout);
+                module.sets.push((set.clone(), layout));
             }
             let push = [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(push_bytes)];
-            let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&module.sets).push_constant_ranges(&push);
+            let layouts: Vec<_> = module.sets.iter().map(|(_, layout)| *layout).collect();
+            let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts).push_constant_ranges(&push);
             module.layout = device.raw.create_pipeline_layout(&info, None).during("vkCreatePipelineLayout")?;
         }
         Ok(Arc::new(module))
     }
 
+    /// Whether its kernels can be given `set`: sets of modules that lay them out alike are interchangeable.
+    pub(crate) fn takes(&self, set: &BindingSet) -> bool {
+        Arc::ptr_eq(&self.device, &set.module.device) && self.set_layout(set.index) == set.module.set_layout(set.index)
+    }
+
+    fn set_layout(&self, index: u32) -> Option<&SetLayout> {
+        self.sets.get(index as usize).map(|(layout, _)| layout)
+    }
+
     /// The pipeline of the entry point `name`.
     pub fn pipeline(self: &Arc<Self>, name: &str) -> Result<Pipeline, VulkanError> {
-        self.pipeline_of(self.shader, name)
-    }
-
-    /// The pipeline of the entry point `name` of another module that has the same layout.
-    pub fn variant(self: &Arc<Self>, spirv: &[u8], name: &str) -> Result<Pipeline, VulkanError> {
-        let code: Vec<u32> = bytemuck::allocation::pod_collect_to_vec(spirv);
-        let info = vk::ShaderModuleCreateInfo::default().code(&code);
-        // SAFETY: as in `new`; pipelines do without the module they were made from.
-        unsafe {
-            let shader = self.device.raw.create_shader_module(&info, None).during("vkCreateShaderModule")?;
-            let pipeline = self.pipeline_of(shader, name);
-            self.device.raw.destroy_shader_module(shader, None);
-            pipeline
-        }
-    }
-
-    fn pipeline_of(self: &Arc<Self>, shader: vk::ShaderModule, name: &str) -> Result<Pipeline, VulkanError> {
         let entry = CString::new(name).unwrap_or_default();
         let stage = vk::PipelineShaderStageCreateInfo::default()
             .stage(vk::ShaderStageFlags::COMPUTE)
-            .module(shader)
+            .module(self.shader)
             .name(&entry);
         let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(self.layout)];
         // SAFETY: module and layout belong to this device and outlive the pipeline.
@@ -109,19 +112,38 @@ impl Module {
         Ok(Pipeline { raw, module: self.clone() })
     }
 
-    /// A set for descriptor set `index` that refers to `buffers`, by binding number.
+    /// A set for descriptor set `index` that refers to `buffers`, by binding number, or by address in their order.
     pub fn bind(self: &Arc<Self>, index: u32, buffers: &[(u32, Arc<Buffer>)]) -> Result<BindingSet, VulkanError> {
+        if self.sets[index as usize].0 != SetLayout::Addresses {
+            buffers.iter().try_for_each(|(_, buffer)| buffer.check_bindable())?;
+            return self.descriptors(index, vk::DescriptorType::STORAGE_BUFFER, buffers, &[]);
+        }
+        let addresses: Option<Vec<u64>> = buffers.iter().map(|(_, buffer)| buffer.address()).collect();
+        let addresses = addresses.ok_or_else(|| VulkanError::Unfit {
+            name: self.device.physical.name.clone(),
+            missing: "bufferDeviceAddress".into(),
+        })?;
+        let table = Buffer::with_bytes(&self.device, "addresses", bytemuck::cast_slice(&addresses))?;
+        self.descriptors(index, vk::DescriptorType::UNIFORM_BUFFER, &[(0, Arc::new(table))], buffers)
+    }
+
+    /// A set of descriptors of one kind; it keeps the buffers `reached` through them alive.
+    fn descriptors(
+        self: &Arc<Self>,
+        index: u32,
+        kind: vk::DescriptorType,
+        buffers: &[(u32, Arc<Buffer>)],
+        reached: &[(u32, Arc<Buffer>)],
+    ) -> Result<BindingSet, VulkanError> {
         let device = &self.device.raw;
-        let layouts = [self.sets[index as usize]];
-        let sizes = [vk::DescriptorPoolSize::default()
-            .ty(vk::DescriptorType::STORAGE_BUFFER)
-            .descriptor_count(buffers.len().max(1) as u32)];
+        let layouts = [self.sets[index as usize].1];
+        let sizes = [vk::DescriptorPoolSize::default().ty(kind).descriptor_count(buffers.len().max(1) as u32)];
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
         // SAFETY: the structures live until the calls return; the pool is destroyed by the set, which is made before
         // anything can fail again.
         let mut set = unsafe {
             let pool = device.create_descriptor_pool(&info, None).during("vkCreateDescriptorPool")?;
-            let kept = buffers.iter().map(|(_, buffer)| buffer.clone()).collect();
+            let kept = buffers.iter().chain(reached).map(|(_, buffer)| buffer.clone()).collect();
             BindingSet { raw: vk::DescriptorSet::null(), index, pool, module: self.clone(), _buffers: kept }
         };
         let allocate = vk::DescriptorSetAllocateInfo::default().descriptor_pool(set.pool).set_layouts(&layouts);
@@ -139,7 +161,7 @@ impl Module {
                     vk::WriteDescriptorSet::default()
                         .dst_set(set.raw)
                         .dst_binding(*binding)
-                        .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
+                        .descriptor_type(kind)
                         .buffer_info(info)
                 })
                 .collect();
@@ -154,7 +176,7 @@ impl Drop for Module {
         // SAFETY: pipelines and sets keep the module alive, so none is left; null handles are allowed.
         unsafe {
             self.device.raw.destroy_pipeline_layout(self.layout, None);
-            for &set in &self.sets {
+            for &(_, set) in &self.sets {
                 self.device.raw.destroy_descriptor_set_layout(set, None);
             }
             self.device.raw.destroy_shader_module(self.shader, None);

@@ -1,6 +1,6 @@
 use std::ffi::CStr;
 use std::mem::ManuallyDrop;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use ash::{khr, vk};
@@ -17,6 +17,8 @@ pub struct Device {
     allocator: ManuallyDrop<Arc<Mutex<Allocator>>>,
     /// Set by [`Device::pretend_lost`].
     pub(crate) lost: AtomicBool,
+    /// Set by [`Device::pretend_small_bindings`].
+    most_binding_bytes: AtomicU64,
     // One submission at a time: the lock is held while it is recorded and waited for.
     pub(crate) queue: Mutex<Queue>,
 }
@@ -39,7 +41,9 @@ impl Device {
         let queues = [vk::DeviceQueueCreateInfo::default()
             .queue_family_index(physical.queue_family)
             .queue_priorities(&priorities)];
-        let mut vulkan12 = vk::PhysicalDeviceVulkan12Features::default().scalar_block_layout(true);
+        let mut vulkan12 = vk::PhysicalDeviceVulkan12Features::default()
+            .scalar_block_layout(true)
+            .buffer_device_address(physical.addresses);
         // SAFETY: `physical` came from `instance`.
         let known = unsafe { instance.raw.enumerate_device_extension_properties(physical.handle) }
             .during("vkEnumerateDeviceExtensionProperties")?;
@@ -63,7 +67,7 @@ impl Device {
                 device: raw.clone(),
                 physical_device: physical.handle,
                 debug_settings: Default::default(),
-                buffer_device_address: false,
+                buffer_device_address: physical.addresses,
                 allocation_sizes: Default::default(),
             })
             .map_err(|e| VulkanError::OutOfMemory(e.to_string()))?;
@@ -75,6 +79,7 @@ impl Device {
                 physical: physical.clone(),
                 allocator: ManuallyDrop::new(Arc::new(Mutex::new(allocator))),
                 lost: AtomicBool::new(false),
+                most_binding_bytes: AtomicU64::new(u64::MAX),
                 queue: Mutex::new(queue),
             })),
             Err(error) => {
@@ -90,9 +95,29 @@ impl Device {
         &self.physical
     }
 
-    /// Most bytes that a kernel can see of one buffer.
+    /// Most bytes of a buffer that a descriptor can refer to.
     pub fn max_binding_bytes(&self) -> u64 {
-        u64::from(self.physical.limits.max_storage_buffer_range).min(self.physical.max_buffer_size)
+        u64::from(self.physical.limits.max_storage_buffer_range)
+            .min(self.physical.max_buffer_size)
+            .min(self.most_binding_bytes.load(Ordering::Relaxed))
+    }
+
+    /// Whether kernels can reach buffers by address.
+    pub fn has_addresses(&self) -> bool {
+        self.physical.addresses
+    }
+
+    /// An error that says both numbers if `what`, which takes `needed` bytes, does not fit what is free.
+    pub fn check_room(&self, what: &str, needed: u64) -> Result<(), VulkanError> {
+        let free = self.physical.free_bytes();
+        if needed <= free {
+            return Ok(());
+        }
+        Err(VulkanError::NoRoom { what: what.into(), name: self.physical.name.clone(), needed, free })
+    }
+
+    pub(crate) fn too_large(&self, what: &str, needed: u64, limit: u64) -> VulkanError {
+        VulkanError::TooLarge { what: what.into(), name: self.physical.name.clone(), needed, limit }
     }
 
     /// Bytes of memory in use on it, as far as this program goes.
@@ -104,6 +129,12 @@ impl Device {
     /// on machines that lose none.
     pub fn pretend_lost(&self) {
         self.lost.store(true, Ordering::Relaxed);
+    }
+
+    /// From now on descriptors refer to no more than `bytes` of a buffer: how devices with small limits fare can be tried
+    /// out on others.
+    pub fn pretend_small_bindings(&self, bytes: u64) {
+        self.most_binding_bytes.store(bytes, Ordering::Relaxed);
     }
 
     /// For a library that allocates by itself; to be given back before the device goes.

@@ -55,6 +55,18 @@ pub enum VulkanError {
         /// The most pixels on a side.
         limit: u32,
     },
+    /// What is to be stored takes more memory than is free.
+    #[error("{what} needs {:.2} GiB of memory on {name}, which has {:.2} GiB free", gib(*needed), gib(*free))]
+    NoRoom {
+        /// What was to be stored.
+        what: String,
+        /// The device's name.
+        name: String,
+        /// Bytes that it takes.
+        needed: u64,
+        /// Bytes that are free.
+        free: u64,
+    },
     /// Not enough memory.
     #[error("out of memory on the device: {0}")]
     OutOfMemory(String),
@@ -75,6 +87,10 @@ pub enum VulkanError {
         /// Its result.
         result: vk::Result,
     },
+}
+
+fn gib(bytes: u64) -> f64 {
+    bytes as f64 / f64::from(1 << 30)
 }
 
 /// Names the call in the error.

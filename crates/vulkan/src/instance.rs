@@ -56,6 +56,8 @@ pub struct PhysicalDevice {
     pub kind: DeviceKind,
     /// Its own memory, in bytes.
     pub memory_bytes: u64,
+    /// Kernels can reach buffers by address, and so more of them than `max_storage_buffer_range`.
+    pub(crate) addresses: bool,
     /// It can draw panels, not only compute.
     pub draws: bool,
     /// What the kernels need and it does not have; usable if empty.
@@ -214,16 +216,35 @@ impl Instance {
                 vk::PhysicalDeviceType::CPU => DeviceKind::Software,
                 _ => DeviceKind::Other,
             },
-            memory_bytes: memory
-                .memory_heaps_as_slice()
-                .iter()
-                .filter(|heap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL))
-                .map(|heap| heap.size)
-                .sum(),
+            memory_bytes: own_heaps(&memory).map(|(_, heap)| heap.size).sum(),
+            addresses: vulkan12.buffer_device_address == vk::TRUE,
             draws: drawing.is_some(),
             missing,
         }
     }
+}
+
+impl PhysicalDevice {
+    /// Bytes of its own memory that are free, as far as the driver tells; else all of it.
+    pub(crate) fn free_bytes(&self) -> u64 {
+        let mut budget = vk::PhysicalDeviceMemoryBudgetPropertiesEXT::default();
+        let mut memory = vk::PhysicalDeviceMemoryProperties2::default().push_next(&mut budget);
+        // SAFETY: the handle came from this instance. Drivers ignore chained structures they do not know.
+        unsafe { self.instance.raw.get_physical_device_memory_properties2(self.handle, &mut memory) };
+        let memory = memory.memory_properties;
+        // A driver that does not know leaves zeros.
+        let free = |(i, heap): (usize, &vk::MemoryHeap)| match budget.heap_budget[i] {
+            0 => heap.size,
+            bytes => bytes.saturating_sub(budget.heap_usage[i]),
+        };
+        own_heaps(&memory).map(free).sum()
+    }
+}
+
+/// The heaps of the device's own memory, by index.
+fn own_heaps(memory: &vk::PhysicalDeviceMemoryProperties) -> impl Iterator<Item = (usize, &vk::MemoryHeap)> {
+    let own = |(_, heap): &(usize, &vk::MemoryHeap)| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL);
+    memory.memory_heaps_as_slice().iter().enumerate().filter(own)
 }
 
 impl Drop for Instance {

@@ -17,7 +17,7 @@ mod transfer;
 
 pub use buffer::{Buffer, Location};
 pub use canvas::{Area, Canvas, Overlay, Picture, Pixels, Shown};
-pub use compute::{BindingSet, Module, Pipeline};
+pub use compute::{BindingSet, Module, Pipeline, SetLayout};
 pub use device::Device;
 pub use error::VulkanError;
 pub use instance::{DeviceKind, Instance, PhysicalDevice, STORAGE_BUFFERS};

@@ -1,5 +1,4 @@
 use std::ops::Range;
-use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
@@ -123,7 +122,7 @@ impl<'a> Passes<'a> {
     /// Runs `groups` workgroups of a kernel. `push` is its push block.
     pub fn compute(&mut self, pipeline: &'a Pipeline, sets: &[&'a BindingSet], push: &[u8], groups: [u32; 3]) {
         let module = &pipeline.module;
-        assert!(sets.iter().all(|set| Arc::ptr_eq(&set.module, module)), "sets and pipeline are of one module");
+        assert!(sets.iter().all(|set| module.takes(set)), "the sets are laid out as the kernel's module says");
         assert_eq!(push.len(), module.push_bytes as usize, "the push block is filled");
         self.begin(Kind::Compute);
         let layout = module.layout;
@@ -139,23 +138,18 @@ impl<'a> Passes<'a> {
         }
     }
 
-    /// Copies as many bytes as fit both buffers.
-    pub fn copy(&mut self, from: &'a Buffer, to: &'a Buffer) {
-        self.copy_range(from, 0..from.size().min(to.size()), to);
-    }
-
-    /// Copies a range of one buffer to the start of another.
+    /// Copies a range of one buffer to the place `at` of another.
     ///
     /// # Panics
     /// If either buffer is too small.
-    pub fn copy_range(&mut self, from: &'a Buffer, range: Range<u64>, to: &'a Buffer) {
+    pub fn copy_range(&mut self, from: &'a Buffer, range: Range<u64>, to: &'a Buffer, at: u64) {
         let size = range.end - range.start;
-        assert!(range.end <= from.size() && size <= to.size(), "a copy stays inside its buffers");
+        assert!(range.end <= from.size() && at + size <= to.size(), "a copy stays inside its buffers");
         if size == 0 {
             return;
         }
         self.begin(Kind::Transfer);
-        let region = [vk::BufferCopy::default().src_offset(range.start).size(size)];
+        let region = [vk::BufferCopy::default().src_offset(range.start).dst_offset(at).size(size)];
         // SAFETY: as above; the region lies inside both buffers.
         unsafe { self.device.cmd_copy_buffer(self.commands, from.raw, to.raw, &region) };
     }

@@ -5,14 +5,19 @@ use crate::buffer::{Buffer, Location};
 use crate::device::Device;
 use crate::error::VulkanError;
 
+/// Bytes that are on their way at once.
+const STAGING_BYTES: usize = 64 << 20;
+
 impl Buffer {
     /// A device buffer that holds `bytes`.
     pub fn with_bytes(device: &Arc<Device>, what: &str, bytes: &[u8]) -> Result<Self, VulkanError> {
         let buffer = Self::new(device, what, bytes.len() as u64, Location::Device)?;
-        if !bytes.is_empty() {
-            let mut staging = Self::new(device, what, bytes.len() as u64, Location::Upload)?;
+        let part = STAGING_BYTES.min(bytes.len());
+        let mut staging = Self::new(device, what, part as u64, Location::Upload)?;
+        for (i, bytes) in bytes.chunks(STAGING_BYTES).enumerate() {
             staging.mapped_mut()[..bytes.len()].copy_from_slice(bytes);
-            device.run(|passes| passes.copy(&staging, &buffer))?;
+            let part = 0..bytes.len() as u64;
+            device.run(|passes| passes.copy_range(&staging, part, &buffer, (i * STAGING_BYTES) as u64))?;
         }
         Ok(buffer)
     }
@@ -36,7 +41,7 @@ impl Buffer {
     pub fn read_range(&self, range: Range<u64>) -> Result<Vec<u8>, VulkanError> {
         let size = range.end - range.start;
         let staging = Self::new(&self.device, "staging for a read", size, Location::Readback)?;
-        self.device.run(|passes| passes.copy_range(self, range, &staging))?;
+        self.device.run(|passes| passes.copy_range(self, range, &staging, 0))?;
         Ok(staging.mapped()[..size as usize].to_vec())
     }
 }

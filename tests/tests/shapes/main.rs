@@ -2,6 +2,7 @@
 
 mod hierarchy;
 mod leave;
+mod lists;
 mod meshes;
 mod nearest;
 

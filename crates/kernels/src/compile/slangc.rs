@@ -9,19 +9,24 @@ pub const ENTRY_POINTS: [&str; 4] = ["render", "inspect", "display", "probe"];
 /// The version that the kernels are tested with; layouts and generated C++ depend on it.
 const VERSION: &str = "2026.14.1";
 
-/// Where the kernels for simple scenes stand (`kernels/variant.slang`) if the full ones are in the file `code`.
-pub fn simple_path(code: &Path) -> PathBuf {
-    code.with_extension("simple.spv")
-}
+/// The variants of the SPIR-V: how the names of their files end, and what defines them in Slang. `kernels/variant.slang`
+/// and `kernels/lists.slang` say what they are. In the order of `Variant::ALL`.
+pub const VARIANTS: [(&str, &[&str]); 4] = [
+    ("spv", &[]),
+    ("simple.spv", &["-DSIMPLE"]),
+    ("wide.spv", &["-DADDRESSES"]),
+    ("simple.wide.spv", &["-DSIMPLE", "-DADDRESSES"]),
+];
 
-/// Compiles the entry points of `kernels` to SPIR-V, in both variants, as [`compile`] does.
+/// Compiles the entry points of `kernels` to SPIR-V, in all variants, as [`compile`] does.
 pub fn compile_spirv(slangc: &Path, kernels: &Path, code: &Path) -> Result<String, String> {
     let target = ["-target", "spirv", "-O0", "-fvk-use-entrypoint-name"];
-    let simple = simple_path(code);
-    let mut messages = compile(slangc, kernels, &target, code)?;
-    messages += &compile(slangc, kernels, &[&target[..], &["-DSIMPLE"]].concat(), &simple)?;
-    drop_source_language(code)?;
-    drop_source_language(&simple)?;
+    let mut messages = String::new();
+    for (ending, defines) in VARIANTS {
+        let code = code.with_extension(ending);
+        messages += &compile(slangc, kernels, &[&target[..], defines].concat(), &code)?;
+        drop_source_language(&code)?;
+    }
     Ok(messages)
 }
 
