@@ -31,14 +31,20 @@ struct Known {
     /// Kept, so that no other mesh can have its address.
     mesh: Arc<Mesh>,
     bounds: Bounds,
+    /// Where its lists over vertices begin.
+    first_word: u32,
 }
 
 impl Meshes {
     /// Holds the meshes `wanted`, each once, and no others. Builds what is new, and touches nothing if nothing is.
     pub fn hold(&mut self, wanted: &[Arc<Mesh>]) -> Result<(), TranslationError> {
         let addresses: HashSet<usize> = wanted.iter().map(address).collect();
-        if self.known.iter().any(|known| !addresses.contains(&address(&known.mesh))) {
-            *self = Self::default();
+        let is_wanted = |known: &Known| addresses.contains(&address(&known.mesh));
+        if !self.known.iter().all(is_wanted) {
+            let old = std::mem::take(self);
+            for (place, known) in old.known.iter().enumerate().filter(|(_, known)| is_wanted(known)) {
+                self.append(known.mesh.clone(), old.part(place))?;
+            }
         }
         let new: Vec<_> = wanted.iter().filter(|mesh| self.place(mesh).is_none()).collect();
         if new.is_empty() {
@@ -73,6 +79,30 @@ impl Meshes {
         buffers.meshes = self.infos.clone();
     }
 
+    /// What was appended for the mesh at `place`.
+    fn part(&self, place: usize) -> Part {
+        let DeviceMesh { root, first_triangle, normals, tangents, uv0, uv1, colors, .. } = self.infos[place];
+        let Known { bounds, first_word, .. } = self.known[place];
+        let end =
+            |of: fn(&DeviceMesh) -> u32, len: usize| self.infos.get(place + 1).map_or(len, |next| of(next) as usize);
+        let nodes = root as usize..end(|mesh| mesh.root, self.nodes.len());
+        let triangles = first_triangle as usize..end(|mesh| mesh.first_triangle, self.triangles.len());
+        let last_word = self.known.get(place + 1).map_or(self.attributes.len(), |next| next.first_word as usize);
+        let lists = [normals, tangents, uv0, uv1, colors];
+        let [normals, tangents, uv0, uv1, colors] =
+            lists.map(|list| if list == NONE { NONE } else { list - first_word });
+        let info = DeviceMesh { root: 0, first_triangle: 0, normals, tangents, uv0, uv1, colors, ..self.infos[place] };
+        let back = |node| moved(node, root.wrapping_neg(), first_triangle.wrapping_neg());
+        Part {
+            nodes: self.nodes[nodes].par_iter().map(back).collect(),
+            triangles: self.triangles[triangles.clone()].to_vec(),
+            materials: self.materials[triangles].to_vec(),
+            attributes: self.attributes[first_word as usize..last_word].to_vec(),
+            info,
+            bounds,
+        }
+    }
+
     fn append(&mut self, mesh: Arc<Mesh>, part: Part) -> Result<(), TranslationError> {
         let place = |len: usize, more: usize, most: u32| match len + more <= most as usize {
             true => Ok(len as u32),
@@ -93,7 +123,7 @@ impl Meshes {
         extend(&mut self.materials, part.materials);
         extend(&mut self.attributes, part.attributes);
         self.places.insert(address(&mesh), self.known.len());
-        self.known.push(Known { mesh, bounds: part.bounds });
+        self.known.push(Known { mesh, bounds: part.bounds, first_word: attributes });
         Ok(())
     }
 }
@@ -229,6 +259,32 @@ fn pack_color(color: &[f32; 4]) -> [u32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A fan of triangles, with or without normals.
+    fn fan(count: u32, normals: bool) -> Arc<Mesh> {
+        let positions: Vec<_> = (0..count + 2).map(|i| [i as f32, (i * i) as f32, 0.0]).collect();
+        let normals = normals.then(|| vec![[0.0, 0.0, 1.0]; positions.len()]);
+        let triangles = (0..count).map(|i| [0, i + 1, i + 2]).collect();
+        Arc::new(Mesh { positions, triangles, normals, ..Mesh::default() })
+    }
+
+    fn held(meshes: &Meshes) -> SceneBuffers {
+        let mut buffers = SceneBuffers::default();
+        meshes.share(&mut buffers);
+        buffers
+    }
+
+    #[test]
+    fn what_is_left_of_meshes_is_as_if_built_alone() {
+        let [a, b, c, d] = [fan(20, true), fan(7, false), fan(30, true), fan(5, true)];
+        let mut meshes = Meshes::default();
+        meshes.hold(&[a.clone(), b.clone(), c.clone(), d.clone()]).expect("they fit");
+        meshes.hold(&[b.clone(), d.clone()]).expect("they fit");
+        let mut alone = Meshes::default();
+        alone.hold(&[b.clone(), d.clone()]).expect("they fit");
+        assert_eq!(held(&meshes), held(&alone));
+        assert_eq!([&a, &b, &c, &d].map(|mesh| meshes.place(mesh)), [None, Some(0), None, Some(1)]);
+    }
 
     #[test]
     fn memory_is_told_before_it_is_taken() {

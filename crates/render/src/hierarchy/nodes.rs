@@ -139,10 +139,10 @@ fn append(tree: &mut Hierarchy, level: u32, part: &Hierarchy) -> usize {
     nodes
 }
 
-/// A node whose nodes and leaves stand so many places further.
+/// A node whose nodes and leaves stand so many places further, modulo 2^32.
 pub(crate) fn moved(node: &BvhNode, nodes: u32, leaves: u32) -> BvhNode {
     let moved = |child: BvhChild| {
-        let first = child.first() + if child.count() == 0 { nodes } else { leaves };
+        let first = child.first().wrapping_add(if child.count() == 0 { nodes } else { leaves });
         BvhChild::new(child.corners(), first, child.count())
     };
     BvhNode { left: moved(node.left), right: moved(node.right) }

@@ -52,13 +52,13 @@ fn after_a_change_the_picture_is_coarse_at_once_and_whole_soon() {
     let mut tracer = tracer([900, 700]);
     settle(&mut tracer);
     tracer.set_camera(&Camera { position: Vec3::new(0.5, 1.0, 4.0), ..scene().camera }, true).expect("a camera");
+    assert!(tracer.is_moving() && !tracer.settled());
     // Less time than a sample of every pixel takes.
     tracer.trace(0.004).expect("it traces");
     let [width, height] = tracer.film_size();
     assert!(width < 900 && height < 700, "{width} x {height}");
     tracer.trace(0.05).expect("it traces");
     assert!(tracer.progress().samples > 0, "there is something to see");
-    assert!(tracer.is_moving() && !tracer.settled());
     settle(&mut tracer);
     assert_eq!(tracer.film_size(), [900, 700]);
 }
