@@ -76,7 +76,7 @@ impl Hierarchy {
 
 /// By the surface area heuristic.
 fn fast(boxes: &[Bounds]) -> (Vec<Bvh2Node>, Vec<u32>) {
-    let params = BvhBuildParams::medium_build();
+    let params = BvhBuildParams::fast_build();
     let mut tree = PlocBuilder::with_capacity(boxes.len()).build(
         params.ploc_search_distance,
         boxes,
