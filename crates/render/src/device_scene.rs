@@ -19,6 +19,7 @@ use crate::bounds::shape_bounds;
 use crate::device_scene::materials::Materials;
 use crate::device_scene::shapes::Shapes;
 use crate::hierarchy::{Bounds, Hierarchy, moved};
+use crate::lights::Lights;
 use crate::media::media_around;
 use crate::meshes::Meshes;
 use crate::textures::{ColorSpace, TextureTable};
@@ -34,6 +35,7 @@ pub struct DeviceScene {
     pub shape_of_place: Vec<u32>,
     meshes: Meshes,
     textures: TextureTable,
+    lights: Lights,
 }
 
 /// A scene that no device can hold.
@@ -79,6 +81,7 @@ impl DeviceScene {
             shape_of_place: vec![],
             meshes: Meshes::default(),
             textures: TextureTable::default(),
+            lights: Lights::default(),
         };
         translated.update(scene)?;
         Ok(translated)
@@ -112,6 +115,7 @@ impl DeviceScene {
             counts.lights = scene.lights.len() as u32;
             counts.absorbing = u32::from(absorbing);
         }
+        self.lights.share(&mut self.buffers);
         self.set_view(scene)
     }
 
