@@ -8,9 +8,10 @@ use raggio_kernels::{
     EntryPoint, FILM_BINDING, Feature, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, SCENE_BINDINGS, SCENE_SET,
     SPIRV, SceneBuffers, Spirv, Work,
 };
+use raggio_scene::Integrator;
 use raggio_vulkan::{BindingSet, Buffer, Device as VulkanContext, Location, Module, PhysicalDevice, Pipeline};
 
-use crate::device::{Answer, Device, DeviceError, Pixels, Question, Session};
+use crate::device::{Answer, Device, DeviceError, Pixels, Question, Session, sampling};
 use crate::device_scene::DeviceScene;
 use crate::display::{Display, reference_pixels};
 use crate::film::Film;
@@ -43,7 +44,8 @@ struct Kernels {
 /// A pipeline for each entry point.
 #[derive(Default)]
 struct Pipelines {
-    render: OnceLock<Pipeline>,
+    path: OnceLock<Pipeline>,
+    reference: OnceLock<Pipeline>,
     inspect: OnceLock<Pipeline>,
     display: OnceLock<Pipeline>,
     probe: OnceLock<Pipeline>,
@@ -66,7 +68,7 @@ impl VulkanDevice {
         let (full, simple) = (Pipelines::default(), Pipelines::default());
         let kernels = Kernels { context, module, simple_spirv, full, simple };
         // Kernels that the driver refuses are refused at once, and nobody waits for them later.
-        kernels.pipeline(EntryPoint::Render, false)?;
+        kernels.pipeline(EntryPoint::Path, false)?;
         Ok(Self { kernels: Arc::new(kernels) })
     }
 
@@ -95,8 +97,8 @@ impl Device for VulkanDevice {
         let kernels = self.kernels.clone();
         let resident = kernels.upload(&scene.buffers, None)?;
         let films = Films::new(kernels.film(&scene.work)?);
-        let work = scene.work;
-        Ok(Box::new(VulkanSession { kernels, work, resident, films, reference: None, output: None }))
+        let (work, integrator) = (scene.work, scene.integrator);
+        Ok(Box::new(VulkanSession { kernels, work, integrator, resident, films, reference: None, output: None }))
     }
 }
 
@@ -105,7 +107,8 @@ impl Kernels {
     fn pipeline(&self, entry: EntryPoint, full: bool) -> Result<&Pipeline, DeviceError> {
         let pipelines = if full { &self.full } else { &self.simple };
         let place = match entry {
-            EntryPoint::Render => &pipelines.render,
+            EntryPoint::Path => &pipelines.path,
+            EntryPoint::Reference => &pipelines.reference,
             EntryPoint::Inspect => &pipelines.inspect,
             EntryPoint::Display => &pipelines.display,
             EntryPoint::Probe => &pipelines.probe,
@@ -200,6 +203,7 @@ struct Output {
 struct VulkanSession {
     kernels: Arc<Kernels>,
     work: Work,
+    integrator: Integrator,
     resident: Resident,
     films: Films<Vec<Band>>,
     reference: Option<Arc<Buffer>>,
@@ -217,7 +221,7 @@ impl Session for VulkanSession {
 
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
         let feature = self.films.feature();
-        let entry = EntryPoint::sampling(feature);
+        let entry = sampling(self.integrator, feature);
         let pipeline = self.kernels.pipeline(entry, self.resident.is_full())?;
         for band in self.films.shown() {
             let first = rows.start.max(band.rows.start);
@@ -256,6 +260,7 @@ impl Session for VulkanSession {
             self.films.renew(|| self.kernels.film(&scene.work))?;
         }
         self.work = scene.work;
+        self.integrator = scene.integrator;
         Ok(())
     }
 

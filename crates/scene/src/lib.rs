@@ -47,7 +47,7 @@ pub use glam::{DAffine3, DMat3, DVec3, Vec3};
 pub use load::{display_name, scene_text};
 pub use raggio_images::{Bitmap, Texels};
 pub use raggio_models::{AlphaMode, Light, LightKind, Mesh, Part, Principled, Texture, TextureFilter, Wrap};
-pub use scene::{
+pub use scene::{Integrator,
     Camera, Entry, Environment, Filter, Geometry, Material, Placement, Reflection, RenderSettings, Scene, Shape,
     rotation,
 };
