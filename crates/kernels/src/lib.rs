@@ -48,7 +48,6 @@ pub enum EntryPoint {
 }
 
 impl EntryPoint {
-
     /// Its name in the SPIR-V module.
     pub fn name(self) -> &'static str {
         match self {

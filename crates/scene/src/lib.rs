@@ -47,8 +47,8 @@ pub use glam::{DAffine3, DMat3, DVec3, Vec3};
 pub use load::{display_name, scene_text};
 pub use raggio_images::{Bitmap, Texels};
 pub use raggio_models::{AlphaMode, Light, LightKind, Mesh, Part, Principled, Texture, TextureFilter, Wrap};
-pub use scene::{Integrator,
-    Camera, Entry, Environment, Filter, Geometry, Material, Placement, Reflection, RenderSettings, Scene, Shape,
-    rotation,
+pub use scene::{
+    Camera, Entry, Environment, Filter, Geometry, Integrator, Material, Placement, Reflection, RenderSettings, Scene,
+    Shape, rotation,
 };
 pub use schema::schema;

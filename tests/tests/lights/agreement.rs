@@ -56,7 +56,10 @@ const MATERIALS: [(&str, &str); 12] = [
     ),
     ("plastic", "principled = { base_color = [0.2, 0.5, 0.3], roughness = 0.3, clearcoat = 1 }"),
     ("blended", "principled = { base_color = [0.8, 0.8, 0.8], roughness = 1, alpha = 0.5, alpha_mode = \"blend\" }"),
-    ("leaf", "principled = { base_color = [0.5, 0.8, 0.5], roughness = 0.7, diffuse_transmission = 0.6, thin_walled = true }"),
+    (
+        "leaf",
+        "principled = { base_color = [0.5, 0.8, 0.5], roughness = 0.7, diffuse_transmission = 0.6, thin_walled = true }",
+    ),
 ];
 
 type Lamp = (&'static str, fn(&mut Scene));
@@ -65,10 +68,18 @@ fn lamps() -> Vec<Lamp> {
     vec![
         ("sphere", |scene| add_shape(scene, "lamp", "sphere = { center = [0.5, 2.6, 0.8], radius = 0.7 }")),
         ("rectangle", |scene| {
-            add_shape(scene, "lamp", "rectangle = { corner = [-1, 2.2, -1.5], edge_u = [2, 0, 0], edge_v = [0, 0.5, 1.5] }");
+            add_shape(
+                scene,
+                "lamp",
+                "rectangle = { corner = [-1, 2.2, -1.5], edge_u = [2, 0, 0], edge_v = [0, 0.5, 1.5] }",
+            );
         }),
         ("box", |scene| {
-            add_shape(scene, "lamp", "box = { center = [0, 2.2, -1], size = [1.5, 0.5, 1], rotation_degrees = [0, 20, 30] }");
+            add_shape(
+                scene,
+                "lamp",
+                "box = { center = [0, 2.2, -1], size = [1.5, 0.5, 1], rotation_degrees = [0, 20, 30] }",
+            );
         }),
         ("mesh", |scene| {
             let place = DAffine3::from_scale_rotation_translation(
@@ -79,7 +90,11 @@ fn lamps() -> Vec<Lamp> {
             add_mesh(scene, ball(2), place, "lamp");
         }),
         ("veil", |scene| {
-            add_shape(scene, "veil", "rectangle = { corner = [-1, 2.2, -1.5], edge_u = [2, 0, 0], edge_v = [0, 0.5, 1.5] }");
+            add_shape(
+                scene,
+                "veil",
+                "rectangle = { corner = [-1, 2.2, -1.5], edge_u = [2, 0, 0], edge_v = [0, 0.5, 1.5] }",
+            );
             add_shape(scene, "veil", "sphere = { center = [0.9, 2.2, 0.8], radius = 0.5 }");
         }),
         ("plane", |scene| add_shape(scene, "lamp", "plane = { point = [0, 4, 0], normal = [0, -1, 0] }")),

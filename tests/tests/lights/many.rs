@@ -35,7 +35,8 @@ fn with_spheres(count: usize, radius: f32) -> (Scene, f64) {
     let mut random = Pcg::new(2);
     let mut irradiance = 0.0;
     for _ in 0..count {
-        let center = DVec3::new(random.between(-9.0, 9.0), random.between(0.5, 9.0), random.between(-9.0, 9.0)).as_vec3();
+        let center =
+            DVec3::new(random.between(-9.0, 9.0), random.between(0.5, 9.0), random.between(-9.0, 9.0)).as_vec3();
         let (distance, sine) = (center.as_dvec3().length(), f64::from(center.y) / center.as_dvec3().length());
         irradiance += 5.0 * std::f64::consts::PI * (f64::from(radius) / distance).powi(2) * sine;
         scene.shapes.push(Shape { entry: 0, material, geometry: Geometry::Sphere { center, radius } });
@@ -77,7 +78,12 @@ fn a_lit_mesh_of_a_hundred_thousand_triangles() {
         println!("{}: error {:.2e}, {:.2?}", device.label, found.error.x / found.mean.x, start.elapsed());
         // Its corners lie on the sphere, so it is a little smaller.
         let relative = (found.mean.x / expected - 1.0).abs();
-        assert!(relative < 0.02 && found.error.x < 0.01 * expected, "{}: {} is not {expected}", device.label, found.mean.x);
+        assert!(
+            relative < 0.02 && found.error.x < 0.01 * expected,
+            "{}: {} is not {expected}",
+            device.label,
+            found.mean.x
+        );
     });
 }
 
@@ -94,7 +100,8 @@ fn a_sun_in_the_sky() {
     for i in 28 * steps..34 * steps {
         let theta = std::f64::consts::PI * place(i, height);
         let down = (1.0 - (place(i, height) * f64::from(height) - 30.5).abs()).max(0.0);
-        let area = (std::f64::consts::PI / f64::from(steps * height)) * (std::f64::consts::TAU / f64::from(steps * width));
+        let area =
+            (std::f64::consts::PI / f64::from(steps * height)) * (std::f64::consts::TAU / f64::from(steps * width));
         for j in 67 * steps..74 * steps {
             let across = (1.0 - (place(j, width) * f64::from(width) - 70.5).abs()).max(0.0);
             irradiance += down * across * (1e5 - 0.5) * theta.cos() * theta.sin() * area;

@@ -45,7 +45,11 @@ fn lights_are_chosen_as_often_as_they_say() {
             let side = (random.bits() & 1) as f32;
             let mut ask = |emitter: usize| -> Question {
                 let u = random.unit();
-                [position.extend(side).to_array(), normal.extend(u).to_array(), [f32::from_bits(emitter as u32), 0.0, 0.0, 0.0]]
+                [
+                    position.extend(side).to_array(),
+                    normal.extend(u).to_array(),
+                    [f32::from_bits(emitter as u32), 0.0, 0.0, 0.0],
+                ]
             };
             let count = 40_000;
             let questions: Vec<_> = (0..count).map(|i| ask(i % lights)).collect();
@@ -78,14 +82,17 @@ fn lights_are_chosen_as_often_as_they_say() {
 /// What is nearer, faces the point or is brighter is more probable.
 #[test]
 fn likely_lights_matter() {
-    let lamp = |at: f64, z: f64| format!("[[shapes]]\nmaterial = \"lamp\"\nsphere = {{ center = [{at}, 1, {z}], radius = 0.1 }}\n");
+    let lamp = |at: f64, z: f64| {
+        format!("[[shapes]]\nmaterial = \"lamp\"\nsphere = {{ center = [{at}, 1, {z}], radius = 0.1 }}\n")
+    };
     let flat = "[[shapes]]\nmaterial = \"lamp\"\nrectangle = { corner = [-1, 1, 5], edge_u = [0.2, 0, 0], edge_v = [0, 0.2, 0] }\n";
     let text = "[camera]\nposition = [0, 0, 9]\nlook_at = [0, 0, 0]\nvertical_fov_degrees = 40\n
         [materials.lamp]\nemission_strength = 1\n";
     let beneath = "[[shapes]]\nmaterial = \"lamp\"\nsphere = { center = [0, -1, 0], radius = 0.1 }\n";
     let scene = parse(&[text, &lamp(0.0, 0.0), &lamp(10.0, 0.0), &lamp(0.0, 3.0), flat, beneath].concat());
     let scene = DeviceScene::new(&scene).expect("the scene fits devices");
-    let place = |shape: u32| scene.shape_of_place.iter().position(|s| *s == shape).expect("a shape of the scene") as u32;
+    let place =
+        |shape: u32| scene.shape_of_place.iter().position(|s| *s == shape).expect("a shape of the scene") as u32;
     let emitter = |shape: u32| scene.buffers.order[place(shape) as usize].first_emitter;
     for_each_device(|device| {
         let questions = [0, 1, 2, 3, 4]

@@ -83,7 +83,8 @@ fn list_shape(buffers: &SceneBuffers, place: usize, shape: &ShapeReference, radi
     } else if is(ShapeKind::Box) {
         let cuboid = &buffers.boxes[index];
         let center = Vec3::from(cuboid.center);
-        let half = [0, 1, 2].map(|i| cuboid.half_size[i] * Vec3::from([cuboid.axis_x, cuboid.axis_y, cuboid.axis_z][i]));
+        let half =
+            [0, 1, 2].map(|i| cuboid.half_size[i] * Vec3::from([cuboid.axis_x, cuboid.axis_y, cuboid.axis_z][i]));
         if radiance[cuboid.material as usize] > 0.0 {
             for face in 0..6 {
                 let [n, u, v] = [0, 1, 2].map(|i| half[(face / 2 + i) % 3]);
