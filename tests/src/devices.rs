@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use raggio_render::{Answer, Device, DeviceChoice, DeviceScene, OpenOptions, Probe, Question, open};
-use raggio_scene::Scene;
+use raggio_scene::{Integrator, Scene};
 
 /// A device under test.
 #[derive(Clone, Copy)]
@@ -47,6 +47,15 @@ pub fn for_each_device(test: impl Fn(TestDevice)) {
     test(TestDevice { label: "vulkan", slow: true, device });
     let messages = device.validation_messages();
     assert!(messages.is_empty(), "Vulkan's validation layers complain:\n{}", messages.join("\n"));
+}
+
+/// Runs `test` on each device with each integrator, of which it is given the scene.
+pub fn for_each_way(scene: &Scene, test: impl Fn(TestDevice, &Scene)) {
+    for integrator in [Integrator::Path, Integrator::Reference] {
+        let mut scene = scene.clone();
+        scene.render.integrator = integrator;
+        for_each_device(|device| test(device, &scene));
+    }
 }
 
 /// The CPU with default options.

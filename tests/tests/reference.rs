@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use raggio_render::Image;
-use raggio_scene::Scene;
+use raggio_scene::{Integrator, Scene};
 use raggio_tests::compare::{difference, leave_behind, read_exr};
 use raggio_tests::devices::{cpu, vulkan};
 use raggio_tests::render::{means, relative_difference};
@@ -31,13 +31,18 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).into()
 }
 
+/// Samples per pixel that are enough for every scene where light is looked for.
+const PATH_SAMPLES: u32 = 1024;
+
 /// On the CPU and on Vulkan.
-fn matches_reference(name: &str) {
-    let samples = SCENES.iter().find(|s| s.0 == name).expect("a listed scene").1;
-    let (scene, reference) = (scene(name), reference(name));
+fn matches_reference(name: &str, integrator: Integrator) {
+    let naive = SCENES.iter().find(|s| s.0 == name).expect("a listed scene").1;
+    let (mut scene, reference) = (scene(name), reference(name));
+    scene.render.integrator = integrator;
+    let samples = if integrator == Integrator::Path { PATH_SAMPLES } else { naive };
     for_each_device(|device| {
         let film = render(device.device, &scene, samples);
-        let label = format!("{name}-{}", device.label);
+        let label = format!("{name}-{integrator:?}-{}", device.label).to_lowercase();
         assert_eq!(film.rejected(), 0, "{label}: samples without a finite value");
         let image = film.mean();
         let found = difference(&reference, &image);
@@ -55,27 +60,56 @@ fn matches_reference(name: &str) {
 
 #[test]
 fn cornell() {
-    matches_reference("cornell");
+    matches_reference("cornell", Integrator::Reference);
 }
 
 #[test]
 fn spheres() {
-    matches_reference("spheres");
+    matches_reference("spheres", Integrator::Reference);
 }
 
 #[test]
 fn nested() {
-    matches_reference("nested");
+    matches_reference("nested", Integrator::Reference);
 }
 
 #[test]
 fn lamp() {
-    matches_reference("lamp");
+    matches_reference("lamp", Integrator::Reference);
 }
 
 #[test]
 fn weekend() {
-    matches_reference("weekend");
+    matches_reference("weekend", Integrator::Reference);
+}
+
+mod path {
+    use super::{Integrator, matches_reference};
+
+    #[test]
+    fn cornell() {
+        matches_reference("cornell", Integrator::Path);
+    }
+
+    #[test]
+    fn spheres() {
+        matches_reference("spheres", Integrator::Path);
+    }
+
+    #[test]
+    fn nested() {
+        matches_reference("nested", Integrator::Path);
+    }
+
+    #[test]
+    fn lamp() {
+        matches_reference("lamp", Integrator::Path);
+    }
+
+    #[test]
+    fn weekend() {
+        matches_reference("weekend", Integrator::Path);
+    }
 }
 
 /// Both draw the same random numbers, so at equal samples they must agree to rounding. A path whose decision a rounding
@@ -84,8 +118,13 @@ fn weekend() {
 #[test]
 fn vulkan_draws_the_pictures_of_the_cpu() {
     let Some(vulkan) = vulkan() else { return };
-    for (name, _, samples) in SCENES {
-        let scene = scene(name);
+    let integrators = [(Integrator::Reference, 1), (Integrator::Path, 4)];
+    for ((name, _, samples), (integrator, divisor)) in
+        SCENES.into_iter().flat_map(|scene| integrators.map(|integrator| (scene, integrator)))
+    {
+        let mut scene = scene(name);
+        scene.render.integrator = integrator;
+        let samples = samples / divisor;
         let (ours, theirs) = (render(vulkan, &scene, samples), render(cpu(), &scene, samples));
         let equal =
             means(&ours).into_iter().zip(means(&theirs)).filter(|(a, b)| relative_difference(*a, *b) < 1e-5).count();

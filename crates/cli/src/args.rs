@@ -48,7 +48,7 @@ pub struct RenderArguments {
     #[command(flatten)]
     pub overrides: Overrides,
     /// How light is followed
-    #[arg(long, value_enum, default_value_t = Integrator::Reference)]
+    #[arg(long, value_enum, default_value_t = Integrator::Path)]
     pub integrator: Integrator,
     /// Write figures of the render to this file, as JSON
     #[arg(long, value_name = "FILE")]
@@ -156,8 +156,8 @@ pub struct Overrides {
     /// Size of the image in pixels; keeps the vertical field of view
     #[arg(long, value_name = "WxH")]
     pub size: Option<Size>,
-    /// Most rays along one path, the camera's included
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65535))]
+    /// Most rays along one path, the camera's included; 0 sets no limit
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=65535))]
     pub max_depth: Option<u32>,
     /// Selects the random numbers: another seed is another picture of the same noise level
     #[arg(long, value_name = "N")]
@@ -198,8 +198,19 @@ fn stops(text: &str) -> Result<f32, String> {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Integrator {
+    /// Looks for lights at each surface
+    Path,
     /// The naive path tracer: no light sampling, no tricks
     Reference,
+}
+
+impl From<Integrator> for raggio_scene::Integrator {
+    fn from(integrator: Integrator) -> Self {
+        match integrator {
+            Integrator::Path => Self::Path,
+            Integrator::Reference => Self::Reference,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use raggio_render::{DeviceScene, Display, Film, ImageFile, Progress, Renderer};
-use raggio_scene::{Assets, Scene};
+use raggio_scene::{Assets, Integrator, Scene};
 
 use crate::args::{DemoArguments, MachineArguments, Overrides, RenderArguments};
 use crate::error::{Failure, cannot_write};
@@ -34,6 +34,7 @@ pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
         stats: arguments.stats.as_deref(),
         machine: &arguments.machine,
         overrides: &arguments.overrides,
+        integrator: arguments.integrator.into(),
     };
     job.run(scene)
 }
@@ -47,6 +48,7 @@ pub fn demo(arguments: &DemoArguments) -> Result<(), Failure> {
         stats: None,
         machine: &arguments.machine,
         overrides: &arguments.overrides,
+        integrator: Integrator::default(),
     };
     job.run(scene)
 }
@@ -58,6 +60,7 @@ struct Job<'a> {
     stats: Option<&'a Path>,
     machine: &'a MachineArguments,
     overrides: &'a Overrides,
+    integrator: Integrator,
 }
 
 impl Job<'_> {
@@ -112,6 +115,7 @@ impl Job<'_> {
         render.samples = samples.unwrap_or(render.samples);
         render.max_depth = max_depth.unwrap_or(render.max_depth);
         render.seed = seed.unwrap_or(render.seed);
+        render.integrator = self.integrator;
         if let Some(size) = size {
             (render.width, render.height) = (size.width, size.height);
         }

@@ -46,14 +46,14 @@ fn wrong_arguments_are_explained() {
     refused(&["--size", "0x5"], "give width and height in pixels");
     refused(&["--samples", "0"], "0 is not in 1..");
     refused(&["--samples", "-3"], "-3");
-    refused(&["--max-depth", "0"], "0 is not in 1..");
+    refused(&["--max-depth", "65536"], "65536 is not in 0..");
     refused(&["--threads", "0"], "0 is not in 1..");
     refused(&["--seed", "x"], "'x'");
     refused(&["--device", "gpu"], "give auto, cpu, vulkan or vulkan:N, with N as in `raggio devices`");
     refused(&["--device", "vulkan:x"], "give auto, cpu, vulkan or vulkan:N");
     refused(&["--exposure", "nan"], "give stops between -32 and 32");
     refused(&["--exposure", "200"], "give stops between -32 and 32");
-    refused(&["--integrator", "magic"], "possible values: reference");
+    refused(&["--integrator", "magic"], "possible values: path, reference");
     refused(&["--sampels", "3"], "'--samples'");
     assert!(!folder.path().join("scene.png").exists());
 }

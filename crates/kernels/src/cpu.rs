@@ -131,7 +131,7 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
     let first = work.first_row.checked_sub(work.band_row).expect("the work begins inside its band");
     let pixels = work.width as usize * (first as usize + work.rows as usize);
     let large_enough = match entry {
-        EntryPoint::Render | EntryPoint::Inspect => buffers.film.len() >= pixels,
+        EntryPoint::Path | EntryPoint::Reference | EntryPoint::Inspect => buffers.film.len() >= pixels,
         EntryPoint::Display => {
             let image = work.width as usize * (work.first_row as usize + work.rows as usize);
             let referred = work.comparison == Comparison::Off as u32 || buffers.input.len() >= image;

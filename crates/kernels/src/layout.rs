@@ -103,6 +103,7 @@ impl SceneBuffers {
         }
         self.check_textures()?;
         self.check_shapes()?;
+        self.check_lights()?;
         self.check_levels()
     }
 
@@ -186,6 +187,70 @@ impl SceneBuffers {
             return fail("the sky's image is not among the textures");
         }
         Ok(())
+    }
+
+    /// Every emitter is what it says and has a leaf of the tree, and from each node a way leads to the root.
+    fn check_lights(&self) -> Result<(), BrokenScene> {
+        let [counts] = self.counts[..] else { return fail("`counts` must have one element") };
+        let (emitters, nodes) = (self.emitters.len(), self.light_nodes.len());
+        if counts.emitters as usize != emitters || (2 * emitters).saturating_sub(1) != nodes {
+            return fail("`counts` disagrees with the lights");
+        }
+        let is_leaf = |node: &LightNode| node.flags & LIGHT_LEAF != 0;
+        for (place, node) in self.light_nodes.iter().enumerate() {
+            let known = match is_leaf(node) {
+                true => self.emitters.get(node.child as usize).is_some_and(|emitter| emitter.leaf as usize == place),
+                false => {
+                    let child = |child: usize| self.light_nodes.get(child).map(|child| child.parent as usize);
+                    let first = node.child as usize;
+                    first > place && first % 2 == 1 && [first, first + 1].map(child) == [Some(place); 2]
+                }
+            };
+            if !known || node.parent as usize > place.saturating_sub(1) {
+                return fail("the light tree is broken");
+            }
+        }
+        if !self.emitters.iter().all(|emitter| self.knows(emitter)) {
+            return fail("an emitter is not there");
+        }
+        let listed = |shape: &ShapeReference| {
+            let faces = if shape.kind == ShapeKind::Box as u32 { 6 } else { 1 };
+            let end = u64::from(shape.first_emitter) + u64::from(shape.emitters);
+            shape.emitters == 0 || shape.emitters >= faces && end <= emitters as u64
+        };
+        let sky = counts.sky_emitter;
+        let is_sky = |emitter: &Emitter| emitter.kind == EmitterKind::Sky as u32;
+        let sky_listed = sky == NONE || self.emitters.get(sky as usize).is_some_and(is_sky);
+        if !self.order.iter().all(listed) || !sky_listed {
+            return fail("a shape has emitters that are not there");
+        }
+        Ok(())
+    }
+
+    fn knows(&self, emitter: &Emitter) -> bool {
+        let leaf = self.light_nodes.get(emitter.leaf as usize).is_some_and(|leaf| leaf.flags & LIGHT_LEAF != 0);
+        let shape = self.order.get(emitter.shape as usize);
+        let is = |kind: ShapeKind| shape.is_some_and(|shape| shape.kind == kind as u32);
+        let Some(kind) = EmitterKind::ALL.into_iter().find(|kind| *kind as u32 == emitter.kind) else { return false };
+        leaf && match kind {
+            EmitterKind::Sphere => is(ShapeKind::Sphere),
+            EmitterKind::Rectangle => is(ShapeKind::Rectangle),
+            EmitterKind::BoxFace => is(ShapeKind::Box) && emitter.part < 6,
+            EmitterKind::Triangle => is(ShapeKind::Instance) && (emitter.part as usize) < self.triangles.len(),
+            EmitterKind::Light => (emitter.shape as usize) < self.lights.len(),
+            EmitterKind::Sky => self.has_sky_sums(),
+        }
+    }
+
+    /// Whether the sky's image has its pyramid of sums.
+    fn has_sky_sums(&self) -> bool {
+        let Some(image) = self.sky.first().and_then(|sky| self.textures.get(sky.image as usize)) else { return false };
+        let (mut across, mut down, mut blocks) = (image.width, image.height, 0);
+        while blocks == 0 || across > 1 || down > 1 {
+            (across, down) = (across.div_ceil(2), down.div_ceil(2));
+            blocks += across as usize * down as usize;
+        }
+        self.sky_sums.len() == blocks
     }
 
     fn check_meshes(&self) -> Result<(), BrokenScene> {
@@ -308,7 +373,13 @@ mod tests {
             order: vec![ShapeReference { kind: ShapeKind::Sphere as u32, ..ShapeReference::default() }].into(),
             materials: vec![Material { principled: NONE, ..Material::default() }].into(),
             nodes: Arc::new(nodes.iter().map(node).collect()),
-            counts: vec![SceneCounts { shapes: 1, nodes: nodes.len() as u32, ..SceneCounts::default() }].into(),
+            counts: vec![SceneCounts {
+                shapes: 1,
+                nodes: nodes.len() as u32,
+                sky_emitter: NONE,
+                ..SceneCounts::default()
+            }]
+            .into(),
             ..SceneBuffers::default()
         }
     }

@@ -66,8 +66,10 @@ pub const PROBE_GROUP: u32 = 64;
 /// The kernels there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EntryPoint {
-    /// Adds samples to the film.
-    Render,
+    /// Adds samples to the film, looking for light.
+    Path,
+    /// Adds samples to the film, and finds light by chance.
+    Reference,
     /// Adds samples of what the camera's rays meet first.
     Inspect,
     /// Turns the film into displayable pixels.
@@ -78,17 +80,13 @@ pub enum EntryPoint {
 
 impl EntryPoint {
     /// All there are, in order.
-    pub const ALL: [Self; 4] = [Self::Render, Self::Inspect, Self::Display, Self::Probe];
-
-    /// The one that adds samples to the film of `feature`.
-    pub fn sampling(feature: Feature) -> Self {
-        if feature == Feature::Radiance { Self::Render } else { Self::Inspect }
-    }
+    pub const ALL: [Self; 5] = [Self::Path, Self::Reference, Self::Inspect, Self::Display, Self::Probe];
 
     /// Its name in the SPIR-V module.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Render => "render",
+            Self::Path => "path",
+            Self::Reference => "reference",
             Self::Inspect => "inspect",
             Self::Display => "display",
             Self::Probe => "probe",
@@ -98,7 +96,7 @@ impl EntryPoint {
     /// Workgroups that cover the work, in x, y, z.
     pub fn groups(self, work: &Work) -> [u32; 3] {
         match self {
-            Self::Render | Self::Inspect | Self::Display => {
+            Self::Path | Self::Reference | Self::Inspect | Self::Display => {
                 [work.width.div_ceil(IMAGE_GROUP), work.rows.div_ceil(IMAGE_GROUP), 1]
             }
             Self::Probe => [work.count.div_ceil(PROBE_GROUP), 1, 1],

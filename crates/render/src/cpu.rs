@@ -8,7 +8,9 @@ use raggio_kernels::{EntryPoint, Feature, FilmPixel, Probe, Work};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
-use crate::device::{Answer, Device, DeviceError, DeviceInfo, Pixels, Question, Session};
+use raggio_scene::Integrator;
+
+use crate::device::{Answer, Device, DeviceError, DeviceInfo, Pixels, Question, Session, sampling};
 use crate::device_scene::DeviceScene;
 use crate::display::{Display, display_rows, reference_pixels};
 use crate::film::Film;
@@ -88,6 +90,7 @@ impl Device for CpuDevice {
             workers: self.workers.clone(),
             scene: CpuScene::new(scene.buffers.clone())?,
             work: scene.work,
+            integrator: scene.integrator,
             films: Films::new(Film::new(scene.work.width, scene.work.height)),
             reference: vec![],
         }))
@@ -98,6 +101,7 @@ struct CpuSession {
     workers: Arc<Workers>,
     scene: CpuScene,
     work: Work,
+    integrator: Integrator,
     films: Films<Film>,
     /// As large as a film, or empty.
     reference: Vec<[f32; 4]>,
@@ -109,8 +113,9 @@ impl Session for CpuSession {
     }
 
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
-        let Self { workers, scene, work, films, .. } = self;
+        let Self { workers, scene, work, integrator, films, .. } = self;
         let feature = films.feature();
+        let entry = sampling(*integrator, feature);
         let width = work.width as usize;
         let band = &mut films.shown_mut().pixels_mut()[rows.start as usize * width..rows.end as usize * width];
         let tile_rows = workers.tile_rows;
@@ -127,7 +132,7 @@ impl Session for CpuSession {
                     ..*work
                 };
                 let buffers = Buffers { film: tile, ..Buffers::default() };
-                dispatch(workers.set, EntryPoint::sampling(feature), Some(scene), &work, buffers);
+                dispatch(workers.set, entry, Some(scene), &work, buffers);
             });
         });
         Ok(())
@@ -139,6 +144,7 @@ impl Session for CpuSession {
             self.reference = vec![];
         }
         self.work = scene.work;
+        self.integrator = scene.integrator;
         self.films.renew(|| Ok(Film::new(scene.work.width, scene.work.height)))
     }
 

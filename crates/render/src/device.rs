@@ -3,7 +3,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use raggio_kernels::{BrokenScene, Feature, FilmPixel, Probe};
+use raggio_kernels::{BrokenScene, EntryPoint, Feature, FilmPixel, Probe};
+use raggio_scene::Integrator;
 use raggio_vulkan::{Buffer, VulkanError};
 
 use crate::device_scene::DeviceScene;
@@ -67,6 +68,15 @@ pub trait Session {
 
     /// How long one call of [`Session::add_samples`] may take without harm, in seconds.
     fn patience_seconds(&self) -> f64;
+}
+
+/// The kernel that adds samples to the film of `feature`.
+pub(crate) fn sampling(integrator: Integrator, feature: Feature) -> EntryPoint {
+    match (feature, integrator) {
+        (Feature::Radiance, Integrator::Path) => EntryPoint::Path,
+        (Feature::Radiance, Integrator::Reference) => EntryPoint::Reference,
+        _ => EntryPoint::Inspect,
+    }
 }
 
 /// Displayable pixels, 0xAABBGGRR in sRGB, row by row from the top left.

@@ -12,13 +12,14 @@ use raggio_kernels::{
     MAX_NESTED_MEDIA, MAX_TEXTURE_SIDE, NO_TEXTURE, SceneBuffers, SceneCounts, Sky, Work,
 };
 use raggio_scene::{
-    Camera, Environment, Filter, Geometry, Light, LightKind, Mesh, RenderSettings, Scene, Texture, Wrap,
+    Camera, Environment, Filter, Geometry, Integrator, Light, LightKind, Mesh, RenderSettings, Scene, Texture, Wrap,
 };
 
 use crate::bounds::shape_bounds;
 use crate::device_scene::materials::Materials;
 use crate::device_scene::shapes::Shapes;
 use crate::hierarchy::{Bounds, Hierarchy, moved};
+use crate::lights::Lights;
 use crate::media::media_around;
 use crate::meshes::Meshes;
 use crate::textures::{ColorSpace, TextureTable};
@@ -30,11 +31,17 @@ pub struct DeviceScene {
     pub buffers: SceneBuffers,
     /// Resolution, depth and the like; the portion of work is filled in by the renderer.
     pub work: Work,
+    /// How light is followed.
+    pub integrator: Integrator,
     /// For each place in `buffers.order`, the shape's index in the scene.
     pub shape_of_place: Vec<u32>,
     meshes: Meshes,
     textures: TextureTable,
+    lights: Lights,
 }
+
+/// Rays along a path whose number is not limited: what is still left after so many is lost.
+const LONGEST_PATH: u32 = 4096;
 
 /// A scene that no device can hold.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -90,9 +97,11 @@ impl DeviceScene {
         let mut translated = Self {
             buffers: SceneBuffers::default(),
             work: Work::default(),
+            integrator: Integrator::default(),
             shape_of_place: vec![],
             meshes: Meshes::default(),
             textures: TextureTable::default(),
+            lights: Lights::default(),
         };
         translated.update(scene)?;
         Ok(translated)
@@ -126,6 +135,7 @@ impl DeviceScene {
             counts.lights = scene.lights.len() as u32;
             counts.absorbing = u32::from(absorbing);
         }
+        self.lights.share(&mut self.buffers);
         self.set_view(scene)
     }
 
@@ -165,6 +175,7 @@ impl DeviceScene {
         }
         self.buffers.camera_media = media.into();
         self.work = settings(&scene.render);
+        self.integrator = scene.render.integrator;
         Ok(())
     }
 
@@ -206,7 +217,7 @@ fn settings(render: &RenderSettings) -> Work {
         width: render.width,
         height: render.height,
         seed: render.seed,
-        max_depth: render.max_depth,
+        max_depth: if render.max_depth == 0 { LONGEST_PATH } else { render.max_depth },
         point_filter: u32::from(render.filter == Filter::Point),
         surface_offset: u32::from(render.surface_offset),
         ..Work::default()

@@ -15,6 +15,7 @@ mod films;
 mod hierarchy;
 mod image_file;
 mod image_input;
+mod lights;
 mod linear_image;
 mod machine;
 mod media;

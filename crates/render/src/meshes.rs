@@ -229,7 +229,7 @@ fn attributes(mesh: &Mesh) -> (Vec<u32>, DeviceMesh) {
 const ZERO_VECTOR: u32 = 0xffff_ffff;
 
 /// A unit vector in 16 + 16 bits: the octahedron, unfolded [cigolle2014unitvectors]; zero has a code of its own.
-fn pack_unit_vector(v: Vec3) -> u32 {
+pub(crate) fn pack_unit_vector(v: Vec3) -> u32 {
     let sum = v.abs().element_sum();
     if sum == 0.0 {
         return ZERO_VECTOR;

@@ -145,6 +145,41 @@ fn device_filter(filter: TextureFilter) -> DeviceFilter {
     }
 }
 
+/// Linear red, green and blue of texel `place` of an image in `texels`.
+pub(crate) fn texel(texture: &DeviceTexture, texels: &[u32], place: usize) -> [f32; 3] {
+    let first = texture.first_word as usize;
+    let is = |format: TexelFormat| texture.format == format as u32;
+    if is(TexelFormat::Rgb32F) {
+        return [0, 1, 2].map(|i| f32::from_bits(texels[first + 3 * place + i]));
+    }
+    let encoded = if is(TexelFormat::Rgba8) || is(TexelFormat::Rgba8Srgb) {
+        let [r, g, b, _] = texels[first + place].to_le_bytes();
+        [r, g, b].map(|c| f32::from(c) / 255.0)
+    } else {
+        let [low, high] = [texels[first + 2 * place], texels[first + 2 * place + 1]];
+        [low & 0xffff, low >> 16, high & 0xffff].map(|c| c as f32 / 65535.0)
+    };
+    let srgb = is(TexelFormat::Rgba8Srgb) || is(TexelFormat::Rgba16Srgb);
+    if srgb { encoded.map(srgb_decode) } else { encoded }
+}
+
+/// The mean of an image's texels.
+pub(crate) fn mean(texture: &DeviceTexture, texels: &[u32]) -> [f32; 3] {
+    let count = texture.width as usize * texture.height as usize;
+    let sum = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| a[i] + b[i]);
+    let row = |y: usize| {
+        let places = y * texture.width as usize..(y + 1) * texture.width as usize;
+        places.map(|place| texel(texture, texels, place).map(f64::from)).fold([0.0; 3], sum)
+    };
+    let rows: Vec<[f64; 3]> = (0..texture.height as usize).into_par_iter().map(row).collect();
+    rows.into_iter().fold([0.0; 3], sum).map(|sum| (sum / count as f64) as f32)
+}
+
+/// IEC 61966-2-1.
+fn srgb_decode(encoded: f32) -> f32 {
+    if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -7,11 +7,12 @@ use raggio_kernels::{
     BufferBytes, EntryPoint, FILM_BINDING, Feature, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, SCENE_BINDINGS,
     SCENE_SET, SPIRV, SceneBuffers, Spirv, Variant, Work,
 };
+use raggio_scene::Integrator;
 use raggio_vulkan::{
     BindingSet, Buffer, Device as VulkanContext, Location, Module, PhysicalDevice, Pipeline, SetLayout,
 };
 
-use crate::device::{Answer, Device, DeviceError, Pixels, Question, Session};
+use crate::device::{Answer, Device, DeviceError, Pixels, Question, Session, sampling};
 use crate::device_scene::DeviceScene;
 use crate::display::{Display, reference_pixels};
 use crate::film::Film;
@@ -57,7 +58,7 @@ impl VulkanDevice {
     pub fn with_kernels(context: Arc<VulkanContext>, spirv: &Spirv) -> Result<Self, DeviceError> {
         let kernels = Kernels { context, spirv: spirv.clone(), compiled: Default::default() };
         // Kernels that the driver refuses are refused at once, and nobody waits for them later.
-        kernels.pipeline(EntryPoint::Render, Variant::SIMPLE)?;
+        kernels.pipeline(EntryPoint::Path, Variant::SIMPLE)?;
         Ok(Self { kernels: Arc::new(kernels) })
     }
 
@@ -86,8 +87,8 @@ impl Device for VulkanDevice {
         let kernels = self.kernels.clone();
         let resident = kernels.upload(&scene.buffers, None)?;
         let films = Films::new(kernels.film(&scene.work)?);
-        let work = scene.work;
-        Ok(Box::new(VulkanSession { kernels, work, resident, films, reference: None, output: None }))
+        let (work, integrator) = (scene.work, scene.integrator);
+        Ok(Box::new(VulkanSession { kernels, work, integrator, resident, films, reference: None, output: None }))
     }
 }
 
@@ -204,6 +205,7 @@ struct Output {
 struct VulkanSession {
     kernels: Arc<Kernels>,
     work: Work,
+    integrator: Integrator,
     resident: Resident,
     films: Films<Vec<Band>>,
     reference: Option<Arc<Buffer>>,
@@ -221,7 +223,7 @@ impl Session for VulkanSession {
 
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
         let feature = self.films.feature();
-        let entry = EntryPoint::sampling(feature);
+        let entry = sampling(self.integrator, feature);
         let pipeline = self.kernels.pipeline(entry, self.resident.variant)?;
         for band in self.films.shown() {
             let first = rows.start.max(band.rows.start);
@@ -260,6 +262,7 @@ impl Session for VulkanSession {
             self.films.renew(|| self.kernels.film(&scene.work))?;
         }
         self.work = scene.work;
+        self.integrator = scene.integrator;
         Ok(())
     }
 

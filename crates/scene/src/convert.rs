@@ -90,6 +90,7 @@ fn render(file: &RenderFile) -> RenderSettings {
             FilterFile::Point => Filter::Point,
         },
         surface_offset: file.surface_offset,
+        ..RenderSettings::default()
     }
 }
 

@@ -61,8 +61,8 @@ pub(crate) struct RenderFile {
     pub height: Whole<1, 65536>,
     /// Samples of each pixel.
     pub samples: Whole<1, 2147483647>,
-    /// Most rays along one path, the camera's ray included; a shadow ray counts as the ray it replaces.
-    pub max_depth: Whole<1, 65535>,
+    /// Most rays along one path, the camera's ray included; a shadow ray counts as the ray it replaces. 0 sets no limit.
+    pub max_depth: Whole<0, 65535>,
     /// Chooses the random numbers: the same seed gives the same picture.
     pub seed: Whole<0, 4294967295>,
     /// How samples are spread over a pixel.

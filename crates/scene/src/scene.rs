@@ -46,7 +46,7 @@ pub struct RenderSettings {
     pub height: u32,
     /// Samples of each pixel, 1 to 2^31 - 1.
     pub samples: u32,
-    /// Most rays along one path, the camera's ray included, 1 to 65535.
+    /// Most rays along one path, the camera's ray included, 1 to 65535; 0 sets no limit.
     pub max_depth: u32,
     /// Chooses the random numbers.
     pub seed: u32,
@@ -54,6 +54,8 @@ pub struct RenderSettings {
     pub filter: Filter,
     /// Whether rays start slightly off the surface they leave; without it a surface shadows itself.
     pub surface_offset: bool,
+    /// How light is followed; the program's choice, not the file's.
+    pub integrator: Integrator,
 }
 
 impl Default for RenderSettings {
@@ -66,8 +68,19 @@ impl Default for RenderSettings {
             seed: 0,
             filter: Filter::Box,
             surface_offset: true,
+            integrator: Integrator::default(),
         }
     }
+}
+
+/// How light is followed. All arrive at the same picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Integrator {
+    /// Lights are looked for at each surface, and what scatters toward them by chance is weighed against that.
+    #[default]
+    Path,
+    /// Chance alone finds lights: slow, and simple enough to be believed.
+    Reference,
 }
 
 /// How camera rays are spread over a pixel.

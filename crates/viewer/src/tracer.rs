@@ -268,6 +268,8 @@ impl Tracer {
     pub fn scale(&self, view: View) -> f32 {
         match view {
             View::Depth => self.scene.camera.focus_distance,
+            // Without a limit, most paths end by themselves before that.
+            View::Bounces if self.scene.render.max_depth == 0 => 64.0,
             View::Bounces => self.scene.render.max_depth as f32,
             View::Samples => self.renderer.progress().samples.max(1) as f32,
             _ => 1.0,

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use raggio_tests::render::means;
-use raggio_tests::{for_each_device, render};
+use raggio_tests::{for_each_way, render};
 
 use crate::{View, materials, shapes};
 
@@ -13,8 +13,8 @@ fn assert_constant(what: &str, max_depth: u32, material: &str, shape: &str, expe
     let rest = [SKY, &materials(&[("m", material), ("none", "")]), &shapes(&[("m", shape)])].concat();
     let scene = View::new([0.0, 2.0, 0.0], [0.3, 0.0, 0.2], 20.0).size(8, 8).depth(max_depth).scene(&rest);
     let expected = DVec3::from_array(expected);
-    for_each_device(|device| {
-        for mean in means(&render(device.device, &scene, 8)) {
+    for_each_way(&scene, |device, scene| {
+        for mean in means(&render(device.device, scene, 8)) {
             let near = (mean - expected).abs().max_element() < 2e-6;
             assert!(near, "{}: {what} at depth {max_depth}: expected {expected}, found {mean}", device.label);
         }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use raggio_tests::render::means;
-use raggio_tests::{for_each_device, render};
+use raggio_tests::{for_each_device, for_each_way, render};
 
 use crate::{View, WHITE_SKY, materials, shapes};
 
@@ -54,8 +54,8 @@ fn opaque_bodies_vanish() {
         ("mirror", "sphere = { center = [0.2, -0.6, 1], radius = 0.4 }"),
     ]);
     let scene = View::new([0.0, 0.5, 5.0], [0.0, 0.0, 0.0], 40.0).scene(&[WHITE_SKY, &materials, &shapes].concat());
-    for_each_device(|device| {
-        for (i, mean) in means(&render(device.device, &scene, device.pick(64, 16))).into_iter().enumerate() {
+    for_each_way(&scene, |device, scene| {
+        for (i, mean) in means(&render(device.device, scene, device.pick(64, 16))).into_iter().enumerate() {
             let error = (mean - 1.0).abs().max_element();
             assert!(error < 2e-6, "{}: pixel {i}: expected 1, found {mean}", device.label);
         }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use raggio_tests::{estimate, for_each_device};
+use raggio_tests::{estimate, for_each_way};
 
 use crate::{ONE_DIRECTION, View, array, materials, shapes};
 
@@ -19,8 +19,8 @@ fn assert_irradiance(what: &str, lamp: &str, eye: [f64; 3], irradiance: f64) {
     let ground = ("ground", "plane = { point = [0, 0, 0], normal = [0, 1, 0] }");
     let rest = [materials, shapes(&[ground, ("lamp", lamp)])].concat();
     let scene = View::new(eye, [0.0; 3], ONE_DIRECTION).depth(4).scene(&rest);
-    for_each_device(|device| {
-        let found = estimate(device.device, &scene, device.pick(512, 192));
+    for_each_way(&scene, |device, scene| {
+        let found = estimate(device.device, scene, device.pick(512, 192));
         println!("{} {what}: error {:.2e}", device.label, found.error.x / found.mean.x);
         found.assert_near(&format!("{}: {what}", device.label), ALBEDO / PI * LAMP * irradiance, 0.003);
     });

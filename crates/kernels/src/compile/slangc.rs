@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Every entry point is a file of its name in `kernels/entry/`.
-pub const ENTRY_POINTS: [&str; 4] = ["render", "inspect", "display", "probe"];
+pub const ENTRY_POINTS: [&str; 5] = ["path", "reference", "inspect", "display", "probe"];
 
 /// The version that the kernels are tested with; layouts and generated C++ depend on it.
 const VERSION: &str = "2026.14.1";

@@ -84,13 +84,9 @@ fn device_principled(
     principled: &Principled,
     textures: &mut TextureTable,
 ) -> Result<DevicePrincipled, TranslationError> {
-    let mut textured = false;
     let mut add = |texture: &Option<Texture>, space| match texture {
         None => Ok(NO_TEXTURE),
-        Some(texture) => {
-            textured = true;
-            textures.add(texture, space)
-        }
+        Some(texture) => textures.add(texture, space),
     };
     let (color, data) = (ColorSpace::Srgb, ColorSpace::Linear);
     let p = principled;
@@ -144,6 +140,5 @@ fn device_principled(
         alpha_mode: alpha_mode as u32,
         alpha_cutoff,
         thin_walled: u32::from(p.thin_walled),
-        textured: u32::from(textured),
     })
 }

@@ -29,7 +29,12 @@ impl<'a> Shapes<'a> {
     /// Appends `shape`, whose mesh, if it is one, is among `meshes`.
     pub fn add(&mut self, shape: &Shape, meshes: &Meshes) -> ShapeReference {
         let has_holes = u32::from(has_holes(&self.materials[shape.material]));
-        let reference = |kind: ShapeKind, index: u32| ShapeReference { kind: kind as u32, index, has_holes };
+        let reference = |kind: ShapeKind, index: u32| ShapeReference {
+            kind: kind as u32,
+            index,
+            has_holes,
+            ..ShapeReference::default()
+        };
         let material = shape.material as u32;
         match &shape.geometry {
             Geometry::Sphere { center, radius } => {

@@ -113,7 +113,7 @@ fn check_settings(scene: &Scene) {
     assert!((1..=65536).contains(&render.width));
     assert!((1..=65536).contains(&render.height));
     assert!((1..=i32::MAX as u32).contains(&render.samples));
-    assert!((1..=65535).contains(&render.max_depth));
+    assert!((0..=65535).contains(&render.max_depth));
 }
 
 fn check_camera(scene: &Scene) {

@@ -99,16 +99,16 @@ samples = 2147483648
         "scene.toml:7:11: `samples` in [render] must be at least 1 and at most 2147483647, not `2147483648`",
     ),
     (
-        "no depth",
+        "negative depth",
         "version = 1
 [camera]
 position = [0, 1, 4]
 look_at = [0, 1, 0]
 vertical_fov_degrees = 40
 [render]
-max_depth = 0
+max_depth = -1
 ",
-        "scene.toml:7:13: `max_depth` in [render] must be at least 1 and at most 65535, not `0`",
+        "scene.toml:7:13: `max_depth` in [render] must be at least 0 and at most 65535, not `-1`",
     ),
     (
         "depth beyond the largest",
@@ -120,7 +120,7 @@ vertical_fov_degrees = 40
 [render]
 max_depth = 65536
 ",
-        "scene.toml:7:13: `max_depth` in [render] must be at least 1 and at most 65535, not `65536`",
+        "scene.toml:7:13: `max_depth` in [render] must be at least 0 and at most 65535, not `65536`",
     ),
     (
         "negative seed",

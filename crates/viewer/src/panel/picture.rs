@@ -65,7 +65,7 @@ fn samples(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
 /// How long paths may be.
 fn depth(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     let mut render = viewer.scene().render.clone();
-    if ui.add(DragValue::new(&mut render.max_depth).range(1..=65535).suffix(" rays a path")).changed() {
+    if ui.add(DragValue::new(&mut render.max_depth).range(0..=65535).suffix(" rays a path")).changed() {
         commands.push(Command::Edit(crate::command::Edit::Render(render)));
     }
 }
