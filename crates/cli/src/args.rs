@@ -3,7 +3,7 @@ use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use raggio_render::{CpuOptions, DeviceChoice, OpenOptions, ToneMapper};
-use raggio_scene::AssetOptions;
+use raggio_scene::{AssetOptions, Filter, Sampler};
 
 /// A progressive path tracer on Vulkan and the CPU.
 #[derive(Parser)]
@@ -162,6 +162,55 @@ pub struct Overrides {
     /// Selects the random numbers: another seed is another picture of the same noise level
     #[arg(long, value_name = "N")]
     pub seed: Option<u32>,
+    /// Where the random numbers come from
+    #[arg(long, value_enum)]
+    pub sampler: Option<SamplerName>,
+    /// Take off what any sample's largest channel has above this, which loses light and fireflies [default: nothing]
+    #[arg(long, value_name = "RADIANCE", value_parser = positive)]
+    pub clamp: Option<f32>,
+    /// With which weights the picture around a pixel's centre makes its value
+    #[arg(long, value_enum)]
+    pub filter: Option<FilterName>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum FilterName {
+    /// All of the pixel's area alike [default]
+    Box,
+    /// A smooth bell 3 pixels wide: the softest
+    BlackmanHarris,
+    /// Mitchell and Netravali's, 4 pixels wide, with negative lobes: the sharpest
+    Mitchell,
+    /// The pixel's centre alone, which shows aliasing
+    Point,
+}
+
+impl From<FilterName> for Filter {
+    fn from(name: FilterName) -> Self {
+        match name {
+            FilterName::Box => Self::Box,
+            FilterName::BlackmanHarris => Self::BlackmanHarris,
+            FilterName::Mitchell => Self::Mitchell,
+            FilterName::Point => Self::Point,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum SamplerName {
+    /// Scrambled Sobol' points, which spread evenly: less noise [default]
+    Sobol,
+    /// Independent numbers
+    Pcg,
+}
+
+impl From<SamplerName> for Sampler {
+    fn from(name: SamplerName) -> Self {
+        match name {
+            SamplerName::Sobol => Self::Sobol,
+            SamplerName::Pcg => Self::Pcg,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -183,6 +232,13 @@ impl FromStr for Size {
 
 fn scale(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|scale| (0.25..=8.0).contains(scale)).ok_or_else(|| "give a number from 0.25 to 8".into())
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|number: &f32| *number > 0.0 && number.is_finite())
+        .ok_or_else(|| "give a number greater than 0".into())
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

@@ -107,11 +107,14 @@ impl Job<'_> {
     }
 
     fn override_settings(&self, scene: &mut Scene) {
-        let Overrides { samples, size, max_depth, seed } = *self.overrides;
+        let Overrides { samples, size, max_depth, seed, sampler, filter, clamp } = *self.overrides;
         let render = &mut scene.render;
         render.samples = samples.unwrap_or(render.samples);
         render.max_depth = max_depth.unwrap_or(render.max_depth);
         render.seed = seed.unwrap_or(render.seed);
+        render.sampler = sampler.map_or(render.sampler, Into::into);
+        render.filter = filter.map_or(render.filter, Into::into);
+        render.clamp = clamp.or(render.clamp);
         if let Some(size) = size {
             (render.width, render.height) = (size.width, size.height);
         }

@@ -89,6 +89,9 @@ impl SceneBuffers {
         {
             return fail("`counts` disagrees with the buffers");
         }
+        if ![0, FILTER_CELLS as usize + 1].contains(&self.filter_table.len()) {
+            return fail("the filter's table has another number of cells");
+        }
         if counts.unbounded as usize > self.order.len() {
             return fail("more unbounded shapes than shapes");
         }

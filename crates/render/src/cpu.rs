@@ -8,6 +8,7 @@ use raggio_kernels::{EntryPoint, Feature, FilmPixel, Probe, Work};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
+use crate::adaptive::Blocks;
 use crate::device::{Answer, Device, DeviceError, DeviceInfo, Pixels, Question, Session};
 use crate::device_scene::DeviceScene;
 use crate::display::{Display, display_rows, reference_pixels};
@@ -88,6 +89,7 @@ impl Device for CpuDevice {
             workers: self.workers.clone(),
             scene: CpuScene::new(scene.buffers.clone())?,
             work: scene.work,
+            resting: vec![],
             films: Films::new(Film::new(scene.work.width, scene.work.height)),
             reference: vec![],
         }))
@@ -98,6 +100,7 @@ struct CpuSession {
     workers: Arc<Workers>,
     scene: CpuScene,
     work: Work,
+    resting: Vec<u32>,
     films: Films<Film>,
     /// As large as a film, or empty.
     reference: Vec<[f32; 4]>,
@@ -109,7 +112,7 @@ impl Session for CpuSession {
     }
 
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
-        let Self { workers, scene, work, films, .. } = self;
+        let Self { workers, scene, work, films, resting, .. } = self;
         let feature = films.feature();
         let width = work.width as usize;
         let band = &mut films.shown_mut().pixels_mut()[rows.start as usize * width..rows.end as usize * width];
@@ -124,12 +127,18 @@ impl Session for CpuSession {
                     first_sample: samples.start,
                     samples: samples.len() as u32,
                     feature: feature as u32,
+                    adaptive: u32::from(!resting.is_empty()),
                     ..*work
                 };
-                let buffers = Buffers { film: tile, ..Buffers::default() };
+                let buffers = Buffers { film: tile, resting, ..Buffers::default() };
                 dispatch(workers.set, EntryPoint::sampling(feature), Some(scene), &work, buffers);
             });
         });
+        Ok(())
+    }
+
+    fn rest(&mut self, blocks: Option<&Blocks>) -> Result<(), DeviceError> {
+        self.resting = blocks.map(|blocks| blocks.words().to_vec()).unwrap_or_default();
         Ok(())
     }
 
@@ -139,6 +148,7 @@ impl Session for CpuSession {
             self.reference = vec![];
         }
         self.work = scene.work;
+        self.resting = vec![];
         self.films.renew(|| Ok(Film::new(scene.work.width, scene.work.height)))
     }
 

@@ -4,6 +4,7 @@
 //! resident and adds samples to a [`Film`], [`Renderer`] does so in portions that leave the machine usable, and
 //! [`ImageFile`] writes the result. Nothing above [`Device`] knows whether it is a CPU or a GPU.
 
+mod adaptive;
 mod bounds;
 mod choice;
 mod cpu;
@@ -12,6 +13,7 @@ mod device_scene;
 mod display;
 mod film;
 mod films;
+mod filters;
 mod hierarchy;
 mod image_file;
 mod image_input;
@@ -23,6 +25,7 @@ mod renderer;
 mod textures;
 mod vulkan;
 
+pub use adaptive::Blocks;
 pub use bounds::bounds;
 pub use choice::{DeviceChoice, OpenOptions, devices, open};
 pub use cpu::{CpuDevice, CpuOptions};
@@ -37,7 +40,7 @@ pub use machine::{TooLarge, check_memory, memory_bytes, peak_memory_bytes, total
 pub use raggio_kernels::compile::FOLDER as KERNELS_FOLDER;
 pub use raggio_kernels::cpu::InstructionSet;
 pub use raggio_kernels::{
-    Comparison, Feature, FilmPixel, MAX_NESTED_MEDIA, Probe, SamplerKind, ShapeKind, Spirv, ToneMapper, View,
+    Comparison, Feature, FilmPixel, MAX_NESTED_MEDIA, Probe, SamplerKind, Sequence, ShapeKind, Spirv, ToneMapper, View,
 };
 pub use renderer::{Progress, Renderer};
 pub use textures::{ColorSpace, TextureTable};
