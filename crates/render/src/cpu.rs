@@ -127,6 +127,7 @@ impl Session for CpuSession {
                     first_sample: samples.start,
                     samples: samples.len() as u32,
                     feature: feature as u32,
+                    filter: feature.filter(work.filter),
                     adaptive: u32::from(!resting.is_empty()),
                     ..*work
                 };

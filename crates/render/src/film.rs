@@ -90,6 +90,13 @@ impl Film {
         self.pixels.iter().map(|p| u64::from(p.samples)).sum()
     }
 
+    /// The fewest and the most samples of any pixel, those left out included.
+    pub fn sample_range(&self) -> (u32, u32) {
+        let taken = |pixel: &FilmPixel| pixel.samples + pixel.rejected;
+        let range = self.pixels.iter().map(taken).fold((u32::MAX, 0), |(low, high), n| (low.min(n), high.max(n)));
+        (range.0.min(range.1), range.1)
+    }
+
     /// Samples that were left out because they had no value that can be added up.
     pub fn rejected(&self) -> u64 {
         self.pixels.iter().map(|p| u64::from(p.rejected)).sum()

@@ -149,6 +149,11 @@ impl Renderer {
         Ok(())
     }
 
+    /// Samples that each pixel is to have at most.
+    pub fn target(&self) -> u32 {
+        self.target
+    }
+
     /// Changes how many samples each pixel is to have; a pass under way is finished.
     pub fn set_target(&mut self, target: u32) {
         self.target = target;

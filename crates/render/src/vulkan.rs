@@ -245,6 +245,7 @@ impl Session for VulkanSession {
                 first_sample: samples.start,
                 samples: samples.len() as u32,
                 feature: feature as u32,
+                filter: feature.filter(self.work.filter),
                 ..self.work
             };
             let groups = entry.groups(&work);
