@@ -39,7 +39,7 @@ pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
         Display { exposure: arguments.exposure, tone_mapper: arguments.tone_mapper.into(), ..Display::default() };
     let aovs: Vec<Aov> = arguments.aov.iter().flat_map(|name| name.aovs()).copied().collect();
     let job = Job {
-        name: arguments.scene.display().to_string(),
+        name: arguments.scene.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         outputs: &outputs,
         aovs: Aov::ALL.into_iter().filter(|aov| aovs.contains(aov)).collect(),
         denoise: arguments.denoise,
@@ -111,7 +111,9 @@ impl Job<'_> {
         if let Some(noise) = self.stop.noise {
             renderer.set_noise(noise.into());
         }
-        let mut reporter = Reporter::new(self.machine.quiet, settings.samples);
+        // How long it takes until the noise is low, nobody knows.
+        let known = self.stop.noise.is_none();
+        let mut reporter = Reporter::new(self.machine.quiet, if known { settings.samples } else { i32::MAX as u32 });
         let device_name = device.name();
         let until = describe_end(settings.samples, self.stop);
         reporter.say(&format!("{}x{}, {until} on {device_name}", settings.width, settings.height));
@@ -174,7 +176,9 @@ impl Job<'_> {
 
     fn metadata(&self, scene: &Scene, film: &Film) -> Metadata {
         let samples = film.pixels().iter().map(|pixel| pixel.samples).max().unwrap_or(0);
-        Metadata { samples, ..Metadata::new(scene, &self.name, self.integrator) }
+        let mut metadata = Metadata::new(scene, &self.name, self.integrator);
+        metadata.samples = samples;
+        metadata
     }
 
     fn override_settings(&self, scene: &mut Scene) {

@@ -2,7 +2,7 @@
 
 mod library;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use library::{Device, Library};
 
@@ -57,8 +57,8 @@ pub struct Denoiser {
 }
 
 impl Denoiser {
-    /// Looks for the library in `$OIDN_DIR`, beside the program, in the project's `.venv`, and where the system keeps its
-    /// own.
+    /// Looks for the library in `$OIDN_DIR` if that is set, else beside the program, in the project's `.venv`, and where the
+    /// system keeps its own.
     pub fn open() -> Result<Self, DenoiseError> {
         let mut reasons = vec![];
         for path in candidates() {
@@ -96,24 +96,24 @@ impl Denoiser {
     }
 }
 
-#[cfg(target_os = "linux")]
-const NAMES: [&str; 1] = ["libOpenImageDenoise.so.2"];
-#[cfg(target_os = "macos")]
-const NAMES: [&str; 1] = ["libOpenImageDenoise.2.dylib"];
-#[cfg(windows)]
-const NAMES: [&str; 1] = ["OpenImageDenoise.dll"];
-#[cfg(not(any(target_os = "linux", target_os = "macos", windows)))]
-const NAMES: [&str; 1] = ["libOpenImageDenoise.so.2"];
+const NAME: &str = if cfg!(windows) {
+    "OpenImageDenoise.dll"
+} else if cfg!(target_os = "macos") {
+    "libOpenImageDenoise.2.dylib"
+} else {
+    "libOpenImageDenoise.so.2"
+};
 
 /// Where the library may be, the likeliest first.
 fn candidates() -> Vec<PathBuf> {
-    let own = std::env::var_os("OIDN_DIR").map(PathBuf::from);
-    let program = std::env::current_exe().ok().and_then(|path| path.parent().map(PathBuf::from));
-    let environment = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../.venv"));
-    let pythons = std::fs::read_dir(environment.join("lib")).into_iter().flatten().flatten();
-    let wheels = pythons.map(|python| python.path().join("site-packages/pyoidn/oidn"));
-    let roots = own.into_iter().chain(program.and_then(|folder| folder.parent().map(PathBuf::from))).chain(wheels);
-    let within = roots.flat_map(|root| ["lib", "bin", ""].map(|folder| root.join(folder)));
-    let placed = within.flat_map(|folder| NAMES.map(|name| folder.join(name))).filter(|path| path.exists());
-    placed.chain(NAMES.map(PathBuf::from)).collect()
+    let within = |root: PathBuf| ["lib", "bin", ""].map(|folder| root.join(folder).join(NAME));
+    if let Some(chosen) = std::env::var_os("OIDN_DIR") {
+        return within(chosen.into()).into();
+    }
+    let program = std::env::current_exe().ok();
+    let beside = program.as_deref().and_then(Path::parent).and_then(Path::parent).map(PathBuf::from);
+    let pythons = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../.venv/lib"));
+    let wheels = pythons.into_iter().flatten().flatten().map(|it| it.path().join("site-packages/pyoidn/oidn"));
+    let installed = beside.into_iter().chain(wheels).flat_map(within).filter(|path| path.exists());
+    installed.chain([PathBuf::from(NAME)]).collect()
 }
