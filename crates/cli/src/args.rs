@@ -2,8 +2,8 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use raggio_render::{CpuOptions, DeviceChoice, OpenOptions, ToneMapper};
-use raggio_scene::AssetOptions;
+use raggio_render::{Aov, CpuOptions, DeviceChoice, OpenOptions, ToneMapper};
+use raggio_scene::{AssetOptions, Filter, Sampler};
 
 /// A progressive path tracer on Vulkan and the CPU.
 #[derive(Parser)]
@@ -50,6 +50,14 @@ pub struct RenderArguments {
     /// How light is followed
     #[arg(long, value_enum, default_value_t = Integrator::Path)]
     pub integrator: Integrator,
+    #[command(flatten)]
+    pub stop: StopArguments,
+    /// Write these layers into the EXR too, separated by commas
+    #[arg(long, value_enum, value_name = "LAYER", value_delimiter = ',')]
+    pub aov: Vec<AovName>,
+    /// Write each picture without its noise too, as NAME.denoised.png or .exr (Intel Open Image Denoise)
+    #[arg(long)]
+    pub denoise: bool,
     /// Write figures of the render to this file, as JSON
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
@@ -59,6 +67,60 @@ pub struct RenderArguments {
     /// How PNGs squeeze radiance into what a display can show
     #[arg(long, value_enum, default_value_t = ToneMapperName::Neutral)]
     pub tone_mapper: ToneMapperName,
+}
+
+/// When there are samples enough. Without --samples, the scene's number does not count then.
+#[derive(Args, Clone, Copy, Default)]
+pub struct StopArguments {
+    /// Stop sampling after so many seconds
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub time_limit: Option<f32>,
+    /// Sample each part of the picture until its relative error is below this, as 0.01 [at most 65536 samples per pixel, unless --samples says so]
+    #[arg(long, value_name = "ERROR", value_parser = positive)]
+    pub noise: Option<f32>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub enum AovName {
+    /// All of them
+    All,
+    /// Colour of the first surface: albedo.R, .G, .B
+    Albedo,
+    /// Its normal in the world: normal.X, .Y, .Z
+    Normal,
+    /// Its distance along the view direction: depth.Z
+    Depth,
+    /// Where it is in the world: position.X, .Y, .Z
+    Position,
+    /// Pixels a frame: motion.X, .Y; 0, for scenes stand still
+    Motion,
+    /// Number of the shape in the pixel's middle, from 1 on: object_id.I
+    ObjectId,
+    /// Number of its material, from 1 on: material_id.I
+    MaterialId,
+    /// Number of samples: samples.N
+    Samples,
+    /// Variance of the mean luminance: variance.Y
+    Variance,
+}
+
+impl AovName {
+    /// What it stands for.
+    pub fn aovs(self) -> &'static [Aov] {
+        match self {
+            Self::All => &Aov::ALL,
+            Self::Albedo => &[Aov::Albedo],
+            Self::Normal => &[Aov::Normal],
+            Self::Depth => &[Aov::Depth],
+            Self::Position => &[Aov::Position],
+            Self::Motion => &[Aov::Motion],
+            Self::ObjectId => &[Aov::ObjectId],
+            Self::MaterialId => &[Aov::MaterialId],
+            Self::Samples => &[Aov::Samples],
+            Self::Variance => &[Aov::Variance],
+        }
+    }
 }
 
 #[derive(Args)]
@@ -162,6 +224,55 @@ pub struct Overrides {
     /// Selects the random numbers: another seed is another picture of the same noise level
     #[arg(long, value_name = "N")]
     pub seed: Option<u32>,
+    /// Where the random numbers come from
+    #[arg(long, value_enum)]
+    pub sampler: Option<SamplerName>,
+    /// Take off what any sample's largest channel has above this, which loses light and fireflies [default: nothing]
+    #[arg(long, value_name = "RADIANCE", value_parser = positive)]
+    pub clamp: Option<f32>,
+    /// With which weights the picture around a pixel's centre makes its value
+    #[arg(long, value_enum)]
+    pub filter: Option<FilterName>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum FilterName {
+    /// All of the pixel's area alike [default]
+    Box,
+    /// A smooth bell 3 pixels wide: the softest
+    BlackmanHarris,
+    /// Mitchell and Netravali's, 4 pixels wide, with negative lobes: the sharpest
+    Mitchell,
+    /// The pixel's centre alone, which shows aliasing
+    Point,
+}
+
+impl From<FilterName> for Filter {
+    fn from(name: FilterName) -> Self {
+        match name {
+            FilterName::Box => Self::Box,
+            FilterName::BlackmanHarris => Self::BlackmanHarris,
+            FilterName::Mitchell => Self::Mitchell,
+            FilterName::Point => Self::Point,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum SamplerName {
+    /// Scrambled Sobol' points, which spread evenly: less noise [default]
+    Sobol,
+    /// Independent numbers
+    Pcg,
+}
+
+impl From<SamplerName> for Sampler {
+    fn from(name: SamplerName) -> Self {
+        match name {
+            SamplerName::Sobol => Self::Sobol,
+            SamplerName::Pcg => Self::Pcg,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -185,6 +296,13 @@ fn scale(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|scale| (0.25..=8.0).contains(scale)).ok_or_else(|| "give a number from 0.25 to 8".into())
 }
 
+fn positive(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|number: &f32| *number > 0.0 && number.is_finite())
+        .ok_or_else(|| "give a number greater than 0".into())
+}
+
 fn seconds(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|time| (0.0..=1e9).contains(time)).ok_or_else(|| "give seconds, 0 to 1e9".into())
 }
@@ -202,6 +320,16 @@ pub enum Integrator {
     Path,
     /// The naive path tracer: no light sampling, no tricks
     Reference,
+}
+
+impl Integrator {
+    /// As users write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Path => "path",
+            Self::Reference => "reference",
+        }
+    }
 }
 
 impl From<Integrator> for raggio_scene::Integrator {

@@ -1,6 +1,7 @@
 use std::path::Path;
 use std::process::ExitCode;
 
+use raggio_denoise::DenoiseError;
 use raggio_render::{DeviceError, OutputError, TooLarge, TranslationError};
 use raggio_scene::SceneError;
 use raggio_viewer::ViewError;
@@ -51,6 +52,12 @@ impl From<TranslationError> for Failure {
 
 impl From<TooLarge> for Failure {
     fn from(error: TooLarge) -> Self {
+        Self::Input(error.to_string())
+    }
+}
+
+impl From<DenoiseError> for Failure {
+    fn from(error: DenoiseError) -> Self {
         Self::Input(error.to_string())
     }
 }

@@ -1,6 +1,7 @@
 //! The program `raggio`: scene files in, pictures out.
 
 mod args;
+mod denoise;
 mod error;
 mod listing;
 mod output;

@@ -64,6 +64,9 @@ impl Reporter {
 
 fn describe(progress: &Progress, target: u32) -> String {
     let rate = progress.total_samples as f64 / progress.seconds.max(1e-9);
+    if target == i32::MAX as u32 {
+        return format!("{} samples  {} samples/s", progress.samples, millions(rate));
+    }
     let left = progress.seconds * (1.0 - progress.fraction) / progress.fraction.max(1e-9);
     format!("{}/{target} samples  {} samples/s  {} left", progress.samples, millions(rate), duration(left))
 }

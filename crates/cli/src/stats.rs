@@ -24,7 +24,7 @@ impl Stats<'_> {
             "device": self.device,
             "width": self.film.width(),
             "height": self.film.height(),
-            "samples_per_pixel": self.progress.samples,
+            "samples_per_pixel": self.film.sample_range().0,
             "max_depth": self.max_depth,
             "setup_seconds": self.setup_seconds,
             "render_seconds": self.progress.seconds,
@@ -34,6 +34,8 @@ impl Stats<'_> {
             "peak_memory_bytes": raggio_render::peak_memory_bytes(),
             "triangles": self.triangles,
             "shapes": self.shapes,
+            "most_samples_per_pixel": self.film.sample_range().1,
+            "clamped_share": self.film.clamped_share(),
         });
         raggio_render::write_whole(path, format!("{stats:#}\n").as_bytes()).map_err(|e| cannot_write(path, &e))
     }

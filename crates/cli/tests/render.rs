@@ -92,6 +92,8 @@ fn the_command_line_overrides_the_scene() {
             "peak_memory_bytes",
             "triangles",
             "shapes",
+            "most_samples_per_pixel",
+            "clamped_share",
         ]
     );
     assert_eq!((&stats["width"], &stats["height"]), (&20.into(), &30.into()));

@@ -45,7 +45,8 @@ pub fn compile(modules: &Modules, out: &Path) -> Result<(), String> {
 
 /// Functions, by how their names begin, that are long and called from several places: a call costs little beside what
 /// they do, and a copy for every caller costs minutes of the C++ compiler's time.
-const CALLED: [&str; 19] = [
+const CALLED: [&str; 20] = [
+    "sobol4D",
     "fitted",
     "PrincipledBsdf_evaluate",
     "PrincipledBsdf_x24init",

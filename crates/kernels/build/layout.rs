@@ -16,7 +16,7 @@ pub fn generate(modules: &Modules, out: &Path) -> Result<(), String> {
 
     let mut types = Types::default();
     let mut text = String::new();
-    for name in ["work", "film", "output", "input"] {
+    for name in ["work", "film", "output", "input", "resting"] {
         types.collect(element(find(&cpp, name)?))?;
     }
     let scene_cpp = buffers(find(&cpp, "scene")?, "offset")?;
@@ -204,7 +204,7 @@ fn places(cpp: &[Value], spirv: &[Value], scene_cpp: &[Buffer], scene_spirv: &[B
         &format!("[u32; {count}]"),
         list(scene_spirv, 1),
     );
-    for name in ["film", "output", "input"] {
+    for name in ["film", "output", "input", "resting"] {
         constant(
             "Binding in descriptor set 0.",
             &format!("{}_BINDING", name.to_uppercase()),
@@ -218,7 +218,7 @@ fn places(cpp: &[Value], spirv: &[Value], scene_cpp: &[Buffer], scene_spirv: &[B
         &format!("[usize; {count}]"),
         list(scene_cpp, 8),
     );
-    for name in ["scene", "work", "film", "output", "input"] {
+    for name in ["scene", "work", "film", "output", "input", "resting"] {
         let offset = find(cpp, name)?["binding"]["offset"].as_u64().ok_or(format!("`{name}` has no offset"))?;
         constant(
             "Word of the C++ parameters at which it stands.",

@@ -3,8 +3,8 @@
 #![allow(unsafe_code)] // The call itself; all that it relies on is checked here.
 
 use crate::{
-    BrokenScene, Comparison, EntryPoint, FILM_WORD, FilmPixel, INPUT_WORD, OUTPUT_WORD, SCENE_WORD, SCENE_WORDS,
-    SceneBuffers, WORK_WORD, Work,
+    BLOCK, BrokenScene, Comparison, EntryPoint, FILM_WORD, FilmPixel, INPUT_WORD, OUTPUT_WORD, PixelFilter,
+    RESTING_WORD, SCENE_WORD, SCENE_WORDS, SceneBuffers, WORK_WORD, Work,
 };
 
 /// Levels of instruction set that kernels are compiled for; all give the same bits.
@@ -119,6 +119,14 @@ pub struct Buffers<'a> {
     pub output: &'a mut [u32],
     /// Questions, or the reference image.
     pub input: &'a [[f32; 4]],
+    /// A bit for each block of the image; see `kernels/buffers.slang`.
+    pub resting: &'a [u32],
+}
+
+/// Words that hold a bit for each block of the work's image.
+fn resting_words(work: &Work) -> usize {
+    let blocks = work.width.div_ceil(BLOCK) as usize * work.height.div_ceil(BLOCK) as usize;
+    blocks.div_ceil(32)
 }
 
 /// Runs one kernel over `work` on the calling thread. The display kernel needs no scene.
@@ -131,7 +139,9 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
     let first = work.first_row.checked_sub(work.band_row).expect("the work begins inside its band");
     let pixels = work.width as usize * (first as usize + work.rows as usize);
     let large_enough = match entry {
-        EntryPoint::Path | EntryPoint::Reference | EntryPoint::Inspect => buffers.film.len() >= pixels,
+        EntryPoint::Path | EntryPoint::Reference | EntryPoint::Inspect => {
+            buffers.film.len() >= pixels && (work.adaptive == 0 || buffers.resting.len() >= resting_words(work))
+        }
         EntryPoint::Display => {
             let image = work.width as usize * (work.first_row as usize + work.rows as usize);
             let referred = work.comparison == Comparison::Off as u32 || buffers.input.len() >= image;
@@ -145,6 +155,9 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
     assert!(large_enough, "the buffers are smaller than the work");
 
     assert!(scene.is_some() || entry == EntryPoint::Display, "only the display kernel does without a scene");
+    let drawn =
+        |scene: &CpuScene| work.filter != PixelFilter::Tabulated as u32 || !scene.buffers.filter_table.is_empty();
+    assert!(scene.is_none_or(drawn), "the scene has no table of the work's filter");
     let block = scene.map(CpuScene::block).unwrap_or_default();
     let mut globals = [0u64; 16];
     globals[SCENE_WORD] = block.as_ptr() as u64;
@@ -153,6 +166,7 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
         (FILM_WORD, buffers.film.as_mut_ptr() as u64, buffers.film.len()),
         (OUTPUT_WORD, buffers.output.as_mut_ptr() as u64, buffers.output.len()),
         (INPUT_WORD, buffers.input.as_ptr() as u64, buffers.input.len()),
+        (RESTING_WORD, buffers.resting.as_ptr() as u64, buffers.resting.len()),
     ] {
         globals[word] = address;
         globals[word + 1] = count as u64;

@@ -5,6 +5,13 @@ use std::ops::Add;
 use crate::{FilmPixel, FixedSum};
 
 impl FixedSum {
+    /// The sum of this one number, rounded to 2^-40; the nearest there is to what does not fit.
+    pub fn of(value: f64) -> Self {
+        let whole = (value * (1u64 << 40) as f64).round() as i128;
+        let bits = whole.clamp(-(1 << 95), (1 << 95) - 1) as u128;
+        Self { low: bits as u32, middle: (bits >> 32) as u32, high: (bits >> 64) as u32 }
+    }
+
     /// In units of 2^-40.
     pub fn whole(self) -> i128 {
         let bits = u128::from(self.low) | u128::from(self.middle) << 32 | u128::from(self.high) << 64;
@@ -34,6 +41,7 @@ impl FilmPixel {
             red: self.red + other.red,
             green: self.green + other.green,
             blue: self.blue + other.blue,
+            clamped: self.clamped + other.clamped,
             squares: self.squares + other.squares,
             samples: self.samples + other.samples,
             rejected: self.rejected + other.rejected,

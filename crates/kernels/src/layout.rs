@@ -25,7 +25,7 @@ impl BufferBytes<'_> {
 /// The lists over meshes, as [`BufferBytes::name`] calls them.
 const MESH_BUFFERS: [&str; 5] = ["mesh_nodes", "triangles", "triangle_materials", "meshes", "attributes"];
 /// The lists in which one view of a scene differs from another; `check_counts` looks at all that can be wrong there.
-const VIEW_BUFFERS: [&str; 3] = ["camera", "camera_media", "counts"];
+const VIEW_BUFFERS: [&str; 4] = ["camera", "camera_media", "counts", "filter_table"];
 
 pub use generated::*;
 
@@ -128,6 +128,9 @@ impl SceneBuffers {
             || counts.camera_media as usize != self.camera_media.len()
         {
             return fail("`counts` disagrees with the buffers");
+        }
+        if ![0, FILTER_CELLS as usize + 1].contains(&self.filter_table.len()) {
+            return fail("the filter's table has another number of cells");
         }
         if counts.unbounded as usize > self.order.len() {
             return fail("more unbounded shapes than shapes");

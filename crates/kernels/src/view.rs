@@ -1,6 +1,6 @@
 //! What the views of the display kernel look at.
 
-use crate::{Feature, Probe, View};
+use crate::{Feature, PixelFilter, Probe, View};
 
 impl View {
     /// The film that it is meant for.
@@ -24,6 +24,18 @@ impl View {
             Self::Samples => Some(format!("samples: 0 to {scale}")),
             Self::Variance => Some("relative standard error of the luminance: 0.1 % to 100 %, logarithmic".into()),
         }
+    }
+}
+
+impl Feature {
+    /// Whether its values are numbers of things: these have no mean, so that one sample from the pixel's middle has to do.
+    pub fn is_index(self) -> bool {
+        matches!(self, Self::Object | Self::Material)
+    }
+
+    /// The filter for its samples, where the picture has `chosen`.
+    pub fn filter(self, chosen: u32) -> u32 {
+        if self.is_index() { PixelFilter::Point as u32 } else { chosen }
     }
 }
 

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use raggio_scene::Integrator;
 
+use crate::adaptive::Blocks;
 use crate::device::{Answer, Device, DeviceError, DeviceInfo, Pixels, Question, Session, sampling};
 use crate::device_scene::DeviceScene;
 use crate::display::{Display, display_rows, reference_pixels};
@@ -91,6 +92,7 @@ impl Device for CpuDevice {
             scene: CpuScene::new(scene.buffers.clone())?,
             work: scene.work,
             integrator: scene.integrator,
+            resting: vec![],
             films: Films::new(Film::new(scene.work.width, scene.work.height)),
             reference: vec![],
         }))
@@ -102,6 +104,7 @@ struct CpuSession {
     scene: CpuScene,
     work: Work,
     integrator: Integrator,
+    resting: Vec<u32>,
     films: Films<Film>,
     /// As large as a film, or empty.
     reference: Vec<[f32; 4]>,
@@ -113,7 +116,7 @@ impl Session for CpuSession {
     }
 
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
-        let Self { workers, scene, work, integrator, films, .. } = self;
+        let Self { workers, scene, work, integrator, films, resting, .. } = self;
         let feature = films.feature();
         let entry = sampling(*integrator, feature);
         let width = work.width as usize;
@@ -129,12 +132,19 @@ impl Session for CpuSession {
                     first_sample: samples.start,
                     samples: samples.len() as u32,
                     feature: feature as u32,
+                    filter: feature.filter(work.filter),
+                    adaptive: u32::from(!resting.is_empty()),
                     ..*work
                 };
-                let buffers = Buffers { film: tile, ..Buffers::default() };
+                let buffers = Buffers { film: tile, resting, ..Buffers::default() };
                 dispatch(workers.set, entry, Some(scene), &work, buffers);
             });
         });
+        Ok(())
+    }
+
+    fn rest(&mut self, blocks: Option<&Blocks>) -> Result<(), DeviceError> {
+        self.resting = blocks.map(|blocks| blocks.words().to_vec()).unwrap_or_default();
         Ok(())
     }
 
@@ -145,6 +155,7 @@ impl Session for CpuSession {
         }
         self.work = scene.work;
         self.integrator = scene.integrator;
+        self.resting = vec![];
         self.films.renew(|| Ok(Film::new(scene.work.width, scene.work.height)))
     }
 

@@ -7,6 +7,7 @@ use raggio_kernels::{BrokenScene, EntryPoint, Feature, FilmPixel, Probe};
 use raggio_scene::Integrator;
 use raggio_vulkan::{Buffer, VulkanError};
 
+use crate::adaptive::Blocks;
 use crate::device_scene::DeviceScene;
 use crate::display::Display;
 use crate::film::Film;
@@ -42,7 +43,10 @@ pub trait Session {
     /// Adds the samples `samples` to the pixels of `rows`, and waits for them.
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError>;
 
-    /// Begins anew with another scene, camera, resolution or settings, and films without samples. Buffers that `scene`
+    /// Blocks of pixels whose radiance takes no more samples; `None`: there are no such blocks.
+    fn rest(&mut self, blocks: Option<&Blocks>) -> Result<(), DeviceError>;
+
+    /// Begins anew with another scene, camera, resolution or settings, and films without samples that all blocks take. Buffers that `scene`
     /// shares with the one before stay where they are. With another resolution the reference is gone.
     fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError>;
 

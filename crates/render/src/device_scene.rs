@@ -9,15 +9,17 @@ use std::sync::Arc;
 use glam::{DMat4, DVec4, Vec3};
 use raggio_kernels::{
     BvhNode, Camera as DeviceCamera, CameraMedium, Light as DeviceLight, LightKind as DeviceLightKind,
-    MAX_NESTED_MEDIA, MAX_TEXTURE_SIDE, NO_TEXTURE, SceneBuffers, SceneCounts, Sky, Work,
+    MAX_NESTED_MEDIA, MAX_TEXTURE_SIDE, NO_TEXTURE, PixelFilter, SceneBuffers, SceneCounts, Sequence, Sky, Work,
 };
 use raggio_scene::{
-    Camera, Environment, Filter, Geometry, Integrator, Light, LightKind, Mesh, RenderSettings, Scene, Texture, Wrap,
+    Camera, Environment, Filter, Geometry, Integrator, Light, LightKind, Mesh, RenderSettings, Sampler, Scene, Texture,
+    Wrap,
 };
 
 use crate::bounds::shape_bounds;
 use crate::device_scene::materials::Materials;
 use crate::device_scene::shapes::Shapes;
+use crate::filters::filter_table;
 use crate::hierarchy::{Bounds, Hierarchy, moved};
 use crate::lights::Lights;
 use crate::media::media_around;
@@ -174,6 +176,7 @@ impl DeviceScene {
             counts.camera_media = media.len() as u32;
         }
         self.buffers.camera_media = media.into();
+        self.buffers.filter_table = filter_table(scene.render.filter).into();
         self.work = settings(&scene.render);
         self.integrator = scene.render.integrator;
         Ok(())
@@ -217,8 +220,17 @@ fn settings(render: &RenderSettings) -> Work {
         width: render.width,
         height: render.height,
         seed: render.seed,
+        sequence: match render.sampler {
+            Sampler::Sobol => Sequence::Sobol,
+            Sampler::Pcg => Sequence::Pcg,
+        } as u32,
         max_depth: if render.max_depth == 0 { LONGEST_PATH } else { render.max_depth },
-        point_filter: u32::from(render.filter == Filter::Point),
+        filter: match render.filter {
+            Filter::Box => PixelFilter::Box,
+            Filter::Point => PixelFilter::Point,
+            Filter::BlackmanHarris | Filter::Mitchell => PixelFilter::Tabulated,
+        } as u32,
+        clamp: render.clamp.unwrap_or(f32::INFINITY),
         surface_offset: u32::from(render.surface_offset),
         ..Work::default()
     }

@@ -71,7 +71,7 @@ pub(crate) fn display_rows(
 ) {
     let rows = (film.len() / width as usize) as u32;
     let work = display.apply(Work { width, height: rows, rows, ..Work::default() }, !reference.is_empty());
-    dispatch(set, EntryPoint::Display, None, &work, Buffers { film, output, input: reference });
+    dispatch(set, EntryPoint::Display, None, &work, Buffers { film, output, input: reference, ..Buffers::default() });
 }
 
 /// The display kernel over a whole film, some rows at a time to keep the copies small.

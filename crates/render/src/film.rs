@@ -1,6 +1,6 @@
 //! Where samples add up, on the host.
 
-use raggio_kernels::FilmPixel;
+use raggio_kernels::{FilmPixel, FixedSum};
 
 use crate::linear_image::Image;
 
@@ -38,6 +38,15 @@ impl Film {
     pub fn from_pixels(width: u32, height: u32, pixels: Vec<FilmPixel>) -> Self {
         assert_eq!(pixels.len(), width as usize * height as usize);
         Self { width, height, pixels }
+    }
+
+    /// A film that shows `image`: a sample a pixel.
+    pub fn from_image(image: &Image) -> Self {
+        let pixel = |rgb: &[f32; 3]| {
+            let [red, green, blue] = rgb.map(|channel| FixedSum::of(f64::from(channel)));
+            FilmPixel { red, green, blue, samples: 1, ..FilmPixel::default() }
+        };
+        Self::from_pixels(image.width, image.height, image.pixels.iter().map(pixel).collect())
     }
 
     /// Width in pixels.
@@ -81,9 +90,23 @@ impl Film {
         self.pixels.iter().map(|p| u64::from(p.samples)).sum()
     }
 
+    /// The fewest and the most samples of any pixel, those left out included.
+    pub fn sample_range(&self) -> (u32, u32) {
+        let taken = |pixel: &FilmPixel| pixel.samples + pixel.rejected;
+        let range = self.pixels.iter().map(taken).fold((u32::MAX, 0), |(low, high), n| (low.min(n), high.max(n)));
+        (range.0.min(range.1), range.1)
+    }
+
     /// Samples that were left out because they had no value that can be added up.
     pub fn rejected(&self) -> u64 {
         self.pixels.iter().map(|p| u64::from(p.rejected)).sum()
+    }
+
+    /// The luminance that clamping took off, as a share of what there was.
+    pub fn clamped_share(&self) -> f64 {
+        let clamped: f64 = self.pixels.iter().map(|p| p.clamped.value()).sum();
+        let kept: f64 = self.pixels.iter().map(|p| p.luminance() * f64::from(p.samples)).sum();
+        if clamped > 0.0 { clamped / (kept + clamped) } else { 0.0 }
     }
 
     /// Rays traced; exact as long as each pixel took fewer than 2^32.

@@ -4,18 +4,29 @@ use std::ffi::OsStr;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use exr::prelude::{SpecificChannels, WritableImage};
+use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, WritableImage};
 use image::ImageEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 
+use crate::aov::Channel;
 use crate::display::{Display, displayed};
 use crate::film::Film;
+use crate::metadata::Metadata;
 
 /// A file to be written.
 #[derive(Clone, Debug)]
 pub struct ImageFile {
     path: PathBuf,
     format: Format,
+}
+
+/// What an EXR holds beside the picture.
+#[derive(Clone, Debug, Default)]
+pub struct Extras {
+    /// Of layers, as `albedo.R`; as many values each as the picture has pixels.
+    pub channels: Vec<Channel>,
+    /// How it was made.
+    pub metadata: Option<Metadata>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -64,15 +75,32 @@ impl ImageFile {
         &self.path
     }
 
+    /// Whether it can hold more than a picture.
+    pub fn has_layers(&self) -> bool {
+        matches!(self.format, Format::Exr)
+    }
+
+    /// `NAME.denoised.ENDING` beside it.
+    pub fn denoised(&self) -> Result<Self, OutputError> {
+        let mut ending = std::ffi::OsString::from("denoised.");
+        ending.push(self.path.extension().unwrap_or_default());
+        Self::new(&self.path.with_extension(ending))
+    }
+
     /// Writes `film`, whole or not at all.
     pub fn write(&self, film: &Film, display: Display) -> Result<(), OutputError> {
+        self.write_with(film, display, &Extras::default())
+    }
+
+    /// The same with what only EXR has room for.
+    pub fn write_with(&self, film: &Film, display: Display, extras: &Extras) -> Result<(), OutputError> {
         let mut bytes = io::Cursor::new(Vec::new());
         match self.format {
             Format::Png => {
                 let pixels = displayed(film, display);
                 encode_png([film.width(), film.height()], bytemuck::cast_slice(&pixels), &mut bytes)
             }
-            Format::Exr => write_exr(film, &mut bytes),
+            Format::Exr => write_exr(film, extras, &mut bytes),
         }
         .and_then(|()| write_whole(&self.path, bytes.get_ref()))
         .map_err(|e| self.unwritable(e))
@@ -148,16 +176,20 @@ fn encode_png([width, height]: [u32; 2], pixels: &[u8], to: &mut impl Write) -> 
         .map_err(io::Error::other)
 }
 
-fn write_exr(film: &Film, to: &mut (impl Write + io::Seek)) -> io::Result<()> {
+fn write_exr(film: &Film, extras: &Extras, to: &mut (impl Write + io::Seek)) -> io::Result<()> {
     let mean = film.mean();
-    let width = mean.width as usize;
-    let channels = SpecificChannels::rgb(|position: exr::prelude::Vec2<usize>| {
-        let [r, g, b] = mean.pixels[position.y() * width + position.x()];
-        (r, g, b)
-    });
-    let mut image = exr::prelude::Image::from_channels((width, mean.height as usize), channels);
+    let (width, height) = (mean.width as usize, mean.height as usize);
+    let color = |i: usize| FlatSamples::F32(mean.pixels.iter().map(|pixel| pixel[i]).collect());
+    let colors = ["R", "G", "B"].into_iter().enumerate().map(|(i, name)| AnyChannel::new(name, color(i)));
+    let others = extras.channels.iter().map(|(name, samples)| AnyChannel::new(name.as_str(), samples.clone()));
+    let channels = AnyChannels::sort(colors.chain(others).collect());
+    let mut image = exr::prelude::Image::from_channels((width, height), channels);
+    let attributes = &mut image.layer_data.attributes;
     let software = concat!("raggio ", env!("CARGO_PKG_VERSION"));
-    image.layer_data.attributes.software_name = Some(software.into());
+    attributes.software_name = Some(software.into());
+    if let Some(metadata) = &extras.metadata {
+        metadata.describe(attributes);
+    }
     image.layer_data.encoding.compression = exr::prelude::Compression::ZIP16;
     // Otherwise blocks are written in the order in which threads compress them, and no two files are the same.
     image.layer_data.encoding.line_order = exr::prelude::LineOrder::Increasing;

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use raggio_kernels::Feature;
 
+use crate::adaptive::{Blocks, next_judgement};
 use crate::device::{DeviceError, Session};
 use crate::device_scene::DeviceScene;
 use crate::film::Film;
@@ -19,6 +20,17 @@ pub struct Renderer {
     target: u32,
     samples_per_pass: Option<u32>,
     courses: Films<Course>,
+    adaptive: Option<Adaptive>,
+}
+
+/// Sampling until the error is small enough, for the film of radiance.
+struct Adaptive {
+    noise: f64,
+    blocks: Blocks,
+    /// Of pixels that take samples, in the picture.
+    active: u64,
+    /// Samples at which blocks are judged next.
+    judgement: u32,
 }
 
 /// How far a film has come, and how fast.
@@ -56,13 +68,53 @@ pub struct Progress {
 impl Renderer {
     /// For `target` samples per pixel of a `width` x `height` image.
     pub fn new(session: Box<dyn Session>, width: u32, height: u32, target: u32) -> Self {
-        Self { session, width, height, target, samples_per_pass: None, courses: Films::new(Course::new(height, 2e5)) }
+        Self {
+            session,
+            width,
+            height,
+            target,
+            samples_per_pass: None,
+            courses: Films::new(Course::new(height, 2e5)),
+            adaptive: None,
+        }
+    }
+
+    /// Gives pixels no more samples than bring the relative standard error of their block's luminance below `noise`:
+    /// see [`Blocks`]. To be called before the first sample.
+    pub fn set_noise(&mut self, noise: f64) {
+        let blocks = Blocks::new(self.width, self.height);
+        let active = u64::from(self.width) * u64::from(self.height);
+        self.adaptive = Some(Adaptive { noise, blocks, active, judgement: next_judgement(0) });
+    }
+
+    /// What adapts the film that is shown.
+    fn adaptive(&self) -> Option<&Adaptive> {
+        self.adaptive.as_ref().filter(|_| self.feature() == Feature::Radiance)
     }
 
     /// True once every pixel has all its samples.
     pub fn finished(&self) -> bool {
         let course = self.courses.shown();
-        course.row == self.height && course.pass.end >= self.target
+        let rested = self.adaptive().is_some_and(|adaptive| adaptive.active == 0);
+        course.row == self.height && (course.pass.end >= self.target || rested)
+    }
+
+    /// Between passes: finds out which blocks need no more samples, if it is time to. The answer is how many samples each
+    /// pixel may get until it is time again.
+    fn judge(&mut self) -> Result<u32, DeviceError> {
+        let samples = self.courses.shown().pass.end;
+        let due = self.adaptive().is_some_and(|adaptive| samples >= adaptive.judgement);
+        let film = if due { Some(self.session.film()?) } else { None };
+        let Some(adaptive) = self.adaptive.as_mut().filter(|_| self.courses.feature() == Feature::Radiance) else {
+            return Ok(u32::MAX);
+        };
+        if let Some(film) = film {
+            adaptive.blocks.judge(&film, adaptive.noise);
+            adaptive.active = adaptive.blocks.active_pixels(0..self.height);
+            adaptive.judgement = next_judgement(samples);
+            self.session.rest(Some(&adaptive.blocks))?;
+        }
+        Ok(adaptive.judgement - samples)
     }
 
     /// Shows the film of `feature` as [`Session::show`] does; each film goes on from where it was left.
@@ -87,10 +139,19 @@ impl Renderer {
     pub fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
         self.session.restart(scene)?;
         (self.width, self.height) = (scene.work.width, scene.work.height);
+        if let Some(noise) = self.adaptive.as_ref().map(|adaptive| adaptive.noise) {
+            self.set_noise(noise);
+            self.session.rest(None)?;
+        }
         for course in self.courses.iter_mut() {
             *course = Course::new(self.height, course.lasting_rate());
         }
         Ok(())
+    }
+
+    /// Samples that each pixel is to have at most.
+    pub fn target(&self) -> u32 {
+        self.target
     }
 
     /// Changes how many samples each pixel is to have; a pass under way is finished.
@@ -125,27 +186,39 @@ impl Renderer {
         if self.finished() {
             return Ok(self.progress());
         }
-        let course = self.courses.shown_mut();
-        if course.row == self.height {
+        if self.courses.shown().row == self.height {
+            let unjudged = self.judge()?;
+            if self.finished() {
+                return Ok(self.progress());
+            }
+            let pixels = self.active_pixels();
+            let course = self.courses.shown_mut();
             course.slowest_before = std::mem::replace(&mut course.slowest, f64::INFINITY);
             // As many samples at once as one portion can give to the whole image, and at least one.
-            let affordable = portion / (f64::from(self.width) * f64::from(self.height));
-            let samples = self.samples_per_pass.unwrap_or(affordable as u32).clamp(1, self.target - course.pass.end);
+            let affordable = (portion / pixels) as u32;
+            let most = unjudged.min(self.target - course.pass.end);
+            let samples = self.samples_per_pass.unwrap_or(affordable).clamp(1, most);
             course.pass = course.pass.end..course.pass.end + samples;
             course.row = 0;
         }
-        let row_samples = f64::from(self.width) * course.pass.len() as f64;
+        let row_samples = self.active_pixels() / f64::from(self.height) * self.courses.shown().pass.len() as f64;
+        let course = self.courses.shown();
         let rows = ((portion / row_samples) as u32).clamp(1, self.height - course.row);
 
+        let portion = course.row..course.row + rows;
+        let pass = course.pass.clone();
+        let active = self.adaptive().map(|adaptive| adaptive.blocks.active_pixels(portion.clone()));
+        let samples = active.unwrap_or(u64::from(rows) * u64::from(self.width)) * pass.len() as u64;
         let start = Instant::now();
-        self.session.add_samples(course.row..course.row + rows, course.pass.clone())?;
+        self.session.add_samples(portion, pass)?;
         let elapsed = start.elapsed();
 
+        let course = self.courses.shown_mut();
         course.sampling += elapsed;
-        course.total += u64::from(rows) * u64::from(self.width) * course.pass.len() as u64;
+        course.total += samples;
         course.row += rows;
         // Rows differ in cost: follow the measurement, but grow no faster than fourfold.
-        let measured = f64::from(rows) * row_samples / elapsed.as_secs_f64().max(1e-6);
+        let measured = (samples.max(1) as f64) / elapsed.as_secs_f64().max(1e-6);
         course.rate = measured.min(4.0 * course.rate);
         // Shorter portions measure the call, and the very first the driver's preparations.
         if elapsed > SHORTEST_MEASURE && course.sampling > elapsed {
@@ -183,16 +256,21 @@ impl Renderer {
 
     /// How far it has come.
     pub fn progress(&self) -> Progress {
-        let Course { pass, row, sampling, .. } = self.courses.shown();
-        let width = u64::from(self.width);
-        let pixels = width * u64::from(self.height);
-        let total_samples = u64::from(pass.start) * pixels + u64::from(*row) * width * pass.len() as u64;
+        let Course { pass, row, sampling, total, .. } = self.courses.shown();
+        let total_samples = *total;
+        let done = f64::from(pass.start) + f64::from(*row) / f64::from(self.height) * pass.len() as f64;
         Progress {
             samples: if *row == self.height { pass.end } else { pass.start },
             total_samples,
-            fraction: total_samples as f64 / (pixels * u64::from(self.target)) as f64,
+            fraction: done / f64::from(self.target),
             seconds: sampling.as_secs_f64(),
         }
+    }
+
+    /// Pixels that take samples.
+    fn active_pixels(&self) -> f64 {
+        let all = u64::from(self.width) * u64::from(self.height);
+        self.adaptive().map_or(all, |adaptive| adaptive.active) as f64
     }
 
     /// The film that is shown, as it is now.

@@ -4,14 +4,15 @@ use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use raggio_kernels::{
-    BufferBytes, EntryPoint, FILM_BINDING, Feature, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, SCENE_BINDINGS,
-    SCENE_SET, SPIRV, SceneBuffers, Spirv, Variant, Work,
+    BufferBytes, EntryPoint, FILM_BINDING, Feature, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, RESTING_BINDING,
+    SCENE_BINDINGS, SCENE_SET, SPIRV, SceneBuffers, Spirv, Variant, Work,
 };
 use raggio_scene::Integrator;
 use raggio_vulkan::{
     BindingSet, Buffer, Device as VulkanContext, Location, Module, PhysicalDevice, Pipeline, SetLayout,
 };
 
+use crate::adaptive::Blocks;
 use crate::device::{Answer, Device, DeviceError, Pixels, Question, Session, sampling};
 use crate::device_scene::DeviceScene;
 use crate::display::{Display, reference_pixels};
@@ -20,7 +21,7 @@ use crate::films::Films;
 use crate::linear_image::Image;
 
 // `raggio devices` calls a device fit by this number.
-const _: () = assert!(SCENE_BINDINGS.len() + 3 <= raggio_vulkan::STORAGE_BUFFERS as usize);
+const _: () = assert!(SCENE_BINDINGS.len() + 4 <= raggio_vulkan::STORAGE_BUFFERS as usize);
 
 /// Set 0 holds what kernels write; the other is the scene's.
 const BUFFER_SET: u32 = 0;
@@ -86,9 +87,19 @@ impl Device for VulkanDevice {
         scene.buffers.check()?;
         let kernels = self.kernels.clone();
         let resident = kernels.upload(&scene.buffers, None)?;
-        let films = Films::new(kernels.film(&scene.work)?);
+        let resting = kernels.resting(&[])?;
+        let films = Films::new(kernels.film(&scene.work, &resting)?);
         let (work, integrator) = (scene.work, scene.integrator);
-        Ok(Box::new(VulkanSession { kernels, work, integrator, resident, films, reference: None, output: None }))
+        Ok(Box::new(VulkanSession {
+            kernels,
+            work,
+            integrator,
+            resident,
+            films,
+            resting,
+            reference: None,
+            output: None,
+        }))
     }
 }
 
@@ -101,7 +112,8 @@ impl Kernels {
         }
         let scene = if variant.wide { SetLayout::Addresses } else { SetLayout::Buffers(SCENE_BINDINGS.to_vec()) };
         let mut sets = [scene.clone(), scene];
-        sets[BUFFER_SET as usize] = SetLayout::Buffers(vec![FILM_BINDING, OUTPUT_BINDING, INPUT_BINDING]);
+        sets[BUFFER_SET as usize] =
+            SetLayout::Buffers(vec![FILM_BINDING, OUTPUT_BINDING, INPUT_BINDING, RESTING_BINDING]);
         let module = Module::new(&self.context, self.spirv.code(variant), &sets, size_of::<Work>() as u32)?;
         Ok(place.get_or_init(|| module))
     }
@@ -147,17 +159,27 @@ impl Kernels {
     }
 
     /// An empty film, in bands.
-    fn film(&self, work: &Work) -> Result<Vec<Band>, DeviceError> {
+    fn film(&self, work: &Work, resting: &Arc<Buffer>) -> Result<Vec<Band>, DeviceError> {
         let row_bytes = u64::from(work.width) * size_of::<FilmPixel>() as u64;
         self.context.check_room("the film", row_bytes * u64::from(work.height))?;
         let band_rows = (BAND_BYTES / row_bytes).max(1).min(u64::from(work.height)) as u32;
         let bands = (0..work.height).step_by(band_rows as usize).map(|first| {
             let rows = first..work.height.min(first + band_rows);
             let film = Arc::new(Buffer::zeroed(&self.context, "film", row_bytes * rows.len() as u64)?);
-            let set = self.bind(&[(FILM_BINDING, film.clone())])?;
+            let set = self.band_set(&film, resting)?;
             Ok(Band { rows, film, set })
         });
         bands.collect()
+    }
+
+    fn band_set(&self, film: &Arc<Buffer>, resting: &Arc<Buffer>) -> Result<BindingSet, DeviceError> {
+        let buffers = [(FILM_BINDING, film.clone()), (RESTING_BINDING, resting.clone())];
+        self.bind(&buffers)
+    }
+
+    /// Which blocks rest; the kernel names it, so there has to be one, be it empty.
+    fn resting(&self, words: &[u32]) -> Result<Arc<Buffer>, DeviceError> {
+        Ok(Arc::new(Buffer::with_bytes(&self.context, "resting blocks", bytemuck::cast_slice(words))?))
     }
 
     /// Room for displayable pixels, and the sets that display each band into it.
@@ -208,6 +230,7 @@ struct VulkanSession {
     integrator: Integrator,
     resident: Resident,
     films: Films<Vec<Band>>,
+    resting: Arc<Buffer>,
     reference: Option<Arc<Buffer>>,
     // Only who displays needs it. It is bound to the film that is shown and to the reference.
     output: Option<Output>,
@@ -218,7 +241,7 @@ impl Session for VulkanSession {
         if feature != self.films.feature() {
             self.output = None;
         }
-        self.films.show(feature, || self.kernels.film(&self.work))
+        self.films.show(feature, || self.kernels.film(&self.work, &self.resting))
     }
 
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
@@ -238,6 +261,7 @@ impl Session for VulkanSession {
                 first_sample: samples.start,
                 samples: samples.len() as u32,
                 feature: feature as u32,
+                filter: feature.filter(self.work.filter),
                 ..self.work
             };
             let groups = entry.groups(&work);
@@ -245,6 +269,15 @@ impl Session for VulkanSession {
             self.kernels.context.run(|passes| {
                 passes.compute(pipeline, &sets, bytemuck::bytes_of(&work), groups);
             })?;
+        }
+        Ok(())
+    }
+
+    fn rest(&mut self, blocks: Option<&Blocks>) -> Result<(), DeviceError> {
+        self.work.adaptive = u32::from(blocks.is_some());
+        self.resting = self.kernels.resting(blocks.map_or(&[], Blocks::words))?;
+        for band in self.films.iter_mut().flatten() {
+            band.set = self.kernels.band_set(&band.film, &self.resting)?;
         }
         Ok(())
     }
@@ -259,7 +292,7 @@ impl Session for VulkanSession {
         } else {
             self.output = None;
             self.reference = None;
-            self.films.renew(|| self.kernels.film(&scene.work))?;
+            self.films.renew(|| self.kernels.film(&scene.work, &self.resting))?;
         }
         self.work = scene.work;
         self.integrator = scene.integrator;

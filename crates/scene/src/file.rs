@@ -65,20 +65,39 @@ pub(crate) struct RenderFile {
     pub max_depth: Whole<0, 65535>,
     /// Chooses the random numbers: the same seed gives the same picture.
     pub seed: Whole<0, 4294967295>,
-    /// How samples are spread over a pixel.
+    /// Where the random numbers come from.
+    pub sampler: SamplerFile,
+    /// What a pixel's value is the mean of.
     pub filter: FilterFile,
+    /// The largest channel of a sample that counts: what exceeds it is taken off, which loses light and fireflies. Absent: nothing is.
+    pub clamp: Option<Positive>,
     /// Whether rays start slightly off the surface they leave. Without it surfaces shadow themselves in rings; only for teaching.
     pub surface_offset: bool,
 }
 
-/// How samples are spread over a pixel.
+/// Where the random numbers come from.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[schemars(rename = "Sampler")]
+pub(crate) enum SamplerFile {
+    /// Scrambled Sobol' points, which spread evenly: less noise.
+    Sobol,
+    /// Independent numbers.
+    Pcg,
+}
+
+/// With which weights the picture around a pixel's centre makes its value.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 #[schemars(rename = "Filter")]
 pub(crate) enum FilterFile {
-    /// Evenly over the pixel's area.
+    /// All of the pixel's area alike.
     Box,
-    /// All through the pixel's centre, which shows aliasing.
+    /// A smooth bell 3 pixels wide: the softest.
+    BlackmanHarris,
+    /// Mitchell and Netravali's, 4 pixels wide, with negative lobes: the sharpest.
+    Mitchell,
+    /// The pixel's centre alone, which shows aliasing.
     Point,
 }
 
@@ -327,7 +346,9 @@ impl Default for RenderFile {
             samples: Whole(samples.into()),
             max_depth: Whole(max_depth.into()),
             seed: Whole(seed.into()),
+            sampler: SamplerFile::Sobol,
             filter: FilterFile::Box,
+            clamp: None,
             surface_offset,
         }
     }

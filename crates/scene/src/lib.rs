@@ -48,7 +48,7 @@ pub use load::{display_name, scene_text};
 pub use raggio_images::{Bitmap, Texels};
 pub use raggio_models::{AlphaMode, Light, LightKind, Mesh, Part, Principled, Texture, TextureFilter, Wrap};
 pub use scene::{
-    Camera, Entry, Environment, Filter, Geometry, Integrator, Material, Placement, Reflection, RenderSettings, Scene,
-    Shape, rotation,
+    Camera, Entry, Environment, Filter, Geometry, Integrator, Material, Placement, Reflection, RenderSettings, Sampler,
+    Scene, Shape, rotation,
 };
 pub use schema::schema;

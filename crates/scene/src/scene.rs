@@ -50,8 +50,12 @@ pub struct RenderSettings {
     pub max_depth: u32,
     /// Chooses the random numbers.
     pub seed: u32,
-    /// How samples are spread over a pixel.
+    /// Where the random numbers come from.
+    pub sampler: Sampler,
+    /// What a pixel's value is the mean of.
     pub filter: Filter,
+    /// The largest channel of a sample that counts; what exceeds it is taken off. `None` leaves samples what they are.
+    pub clamp: Option<f32>,
     /// Whether rays start slightly off the surface they leave; without it a surface shadows itself.
     pub surface_offset: bool,
     /// How light is followed; the program's choice, not the file's.
@@ -66,7 +70,9 @@ impl Default for RenderSettings {
             samples: 256,
             max_depth: 10,
             seed: 0,
+            sampler: Sampler::Sobol,
             filter: Filter::Box,
+            clamp: None,
             surface_offset: true,
             integrator: Integrator::default(),
         }
@@ -83,12 +89,25 @@ pub enum Integrator {
     Reference,
 }
 
-/// How camera rays are spread over a pixel.
+/// Where the random numbers of a pixel's samples come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sampler {
+    /// Scrambled Sobol' points, which spread evenly: less noise.
+    Sobol,
+    /// Independent numbers of a hash.
+    Pcg,
+}
+
+/// The reconstruction filter: with which weights the picture around a pixel's centre makes its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filter {
-    /// Evenly over the pixel's area.
+    /// All of the pixel's area alike.
     Box,
-    /// All through the pixel's centre, which shows aliasing.
+    /// A smooth bell 3 pixels wide: the softest.
+    BlackmanHarris,
+    /// Mitchell and Netravali's, 4 pixels wide, with negative lobes: the sharpest.
+    Mitchell,
+    /// The pixel's centre alone, which shows aliasing.
     Point,
 }
 

@@ -5,7 +5,7 @@ mod common;
 use common::{EXAMPLE, check_invariants, reference_scene};
 use raggio_scene::{
     AlphaMode, Camera, Entry, Environment, Filter, Geometry, Integrator, Material, Principled, Reflection,
-    RenderSettings, Scene, Shape, Vec3,
+    RenderSettings, Sampler, Scene, Shape, Vec3,
 };
 
 const HEAD: &str = "version = 1
@@ -132,7 +132,7 @@ fn defaults() {
 fn every_setting() {
     let scene = parse(
         "[render]\nwidth = 65536\nheight = 1\nsamples = 2147483647\nmax_depth = 65535\n\
-         seed = 0xffff_ffff\nfilter = \"point\"\nsurface_offset = false\nintegrator = \"reference\"\n",
+         seed = 0xffff_ffff\nsampler = \"pcg\"\nfilter = \"point\"\nclamp = 12\nsurface_offset = false\n",
     );
     let expected = RenderSettings {
         width: 65536,
@@ -140,9 +140,11 @@ fn every_setting() {
         samples: i32::MAX as u32,
         max_depth: 65535,
         seed: u32::MAX,
+        sampler: Sampler::Pcg,
         filter: Filter::Point,
+        clamp: Some(12.0),
         surface_offset: false,
-        integrator: Integrator::Reference,
+        integrator: Integrator::Path,
     };
     assert_eq!(scene.render, expected);
 }

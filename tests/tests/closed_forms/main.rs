@@ -3,6 +3,7 @@
 mod bodies;
 mod critical;
 mod depth;
+mod filters;
 mod fresnel;
 mod furnace;
 mod hard_cases;

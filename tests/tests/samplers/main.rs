@@ -6,6 +6,7 @@ mod functions;
 mod microfacets;
 mod numbers;
 mod principled;
+mod sobol;
 
 use glam::DVec3;
 use raggio_scene::Scene;

@@ -1,8 +1,8 @@
-//! The random numbers, and the sine and cosine made for them.
+//! The independent random numbers, and the sine and cosine made for them.
 
 use std::f64::consts::TAU;
 
-use raggio_render::{Probe, Question};
+use raggio_render::{Probe, Question, Sequence};
 use raggio_tests::devices::{cpu, vulkan};
 use raggio_tests::statistics::{Verdict, chi_square};
 use raggio_tests::{Pcg, TestDevice, for_each_device};
@@ -10,29 +10,31 @@ use raggio_tests::{Pcg, TestDevice, for_each_device};
 use crate::anywhere;
 
 /// Pixel, sample, seed, dimension.
-type Key = [u32; 5];
+pub type Key = [u32; 5];
 
 /// Neighbours of all kinds, as renders use them: 64 x 64 pixels, 16 samples, 8 dimensions, 2 seeds.
 fn keys() -> Vec<Key> {
     (0..1u32 << 20).map(|i| [i & 63, (i >> 6) & 63, (i >> 12) & 15, (i >> 19) & 1, (i >> 16) & 7]).collect()
 }
 
-fn numbers(device: &TestDevice, keys: &[Key]) -> Vec<[f32; 4]> {
+/// What the sampler draws for each key.
+pub fn numbers(device: &TestDevice, sequence: Sequence, keys: &[Key]) -> Vec<[f32; 4]> {
     let bits = |key: &Key| key.map(f32::from_bits);
     let question = |key: &Key| -> Question {
         let [x, y, sample, seed, dimension] = bits(key);
-        [[x, y, sample, seed], [dimension, 0.0, 0.0, 0.0], [0.0; 4]]
+        [[x, y, sample, seed], [dimension, f32::from_bits(sequence as u32), 0.0, 0.0], [0.0; 4]]
     };
     let questions: Vec<_> = keys.iter().map(question).collect();
     device.ask(&anywhere(), Probe::Random, &questions).into_iter().map(|answer| answer[0]).collect()
 }
 
+/// Expects the same of each.
 fn flat(counts: &[u64], total: usize) -> Vec<f64> {
     vec![total as f64 / counts.len() as f64; counts.len()]
 }
 
 /// Each lane by itself.
-fn test_lanes(numbers: &[[f32; 4]], verdict: &mut Verdict) {
+pub fn test_lanes(numbers: &[[f32; 4]], verdict: &mut Verdict) {
     for lane in 0..4 {
         let mut counts = vec![0; 1024];
         numbers.iter().for_each(|n| counts[(n[lane] * 1024.0) as usize] += 1);
@@ -41,7 +43,7 @@ fn test_lanes(numbers: &[[f32; 4]], verdict: &mut Verdict) {
 }
 
 /// Two series of numbers against each other.
-fn test_pairs(what: String, pairs: impl Iterator<Item = (f32, f32)>, verdict: &mut Verdict) {
+pub fn test_pairs(what: String, pairs: impl Iterator<Item = (f32, f32)>, verdict: &mut Verdict) {
     const SIDE: usize = 64;
     let mut counts = vec![0; SIDE * SIDE];
     let mut total = 0;
@@ -56,7 +58,7 @@ fn test_pairs(what: String, pairs: impl Iterator<Item = (f32, f32)>, verdict: &m
 fn numbers_are_uniform_and_independent() {
     for_each_device(|device| {
         let keys = keys();
-        let own = numbers(&device, &keys);
+        let own = numbers(&device, Sequence::Pcg, &keys);
         for n in own.iter().flatten() {
             let on_grid = (n * 16_777_216.0).fract() == 0.0;
             assert!((0.0..1.0).contains(n) && on_grid, "{}: {n} is no multiple of 2^-24 in [0, 1)", device.label);
@@ -71,7 +73,7 @@ fn numbers_are_uniform_and_independent() {
         {
             let next: Vec<Key> =
                 keys.iter().map(|key| std::array::from_fn(|i| key[i] + u32::from(i == part))).collect();
-            let next = numbers(&device, &next);
+            let next = numbers(&device, Sequence::Pcg, &next);
             for lane in 0..4 {
                 for other in [lane, (lane + 1) % 4] {
                     let pairs = own.iter().zip(&next).map(|(a, b)| (a[lane], b[other]));
@@ -92,10 +94,12 @@ fn devices_draw_the_same_numbers() {
     let mut keys: Vec<Key> = (0..200_000).map(|_| [(); 5].map(|()| random.bits())).collect();
     keys.iter_mut().for_each(|key| key[..2].iter_mut().for_each(|coordinate| *coordinate &= 0xffff));
     keys.extend(self::keys().into_iter().step_by(7));
-    let cpu = numbers(&TestDevice { label: "cpu", slow: false, device: cpu() }, &keys);
-    let vulkan = numbers(&TestDevice { label: "vulkan", slow: true, device: vulkan }, &keys);
-    for ((key, a), b) in keys.iter().zip(&cpu).zip(&vulkan) {
-        assert!(a.map(f32::to_bits) == b.map(f32::to_bits), "{key:?}: {a:?} on the CPU, {b:?} on Vulkan");
+    for sequence in Sequence::ALL {
+        let cpu = numbers(&TestDevice { label: "cpu", slow: false, device: cpu() }, sequence, &keys);
+        let vulkan = numbers(&TestDevice { label: "vulkan", slow: true, device: vulkan }, sequence, &keys);
+        for ((key, a), b) in keys.iter().zip(&cpu).zip(&vulkan) {
+            assert!(a.map(f32::to_bits) == b.map(f32::to_bits), "{key:?}: {a:?} on the CPU, {b:?} on Vulkan");
+        }
     }
 }
 

@@ -147,6 +147,18 @@ seed = 4294967296
         "scene.toml:7:8: `seed` in [render] must be at least 0 and at most 4294967295, not `4294967296`",
     ),
     (
+        "unknown sampler",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[render]
+sampler = "halton"
+"#,
+        r#"scene.toml:7:11: `sampler` in [render] must be `"sobol"` or `"pcg"`, not `"halton"`"#,
+    ),
+    (
         "unknown filter",
         r#"version = 1
 [camera]
@@ -156,6 +168,6 @@ vertical_fov_degrees = 40
 [render]
 filter = "gauss"
 "#,
-        r#"scene.toml:7:10: `filter` in [render] must be `"box"` or `"point"`, not `"gauss"`"#,
+        r#"scene.toml:7:10: `filter` in [render] must be `"box"`, `"blackman-harris"`, `"mitchell"` or `"point"`, not `"gauss"`"#,
     ),
 ];

@@ -1,0 +1,119 @@
+//! Intel Open Image Denoise, found while the program runs: those who never ask for it need not have it.
+
+mod library;
+
+use std::path::{Path, PathBuf};
+
+use library::{Device, Library};
+
+/// A picture to be denoised, and what is known of it: row by row from the top left, `width` times `height` pixels each.
+#[derive(Clone, Copy, Debug)]
+pub struct Noisy<'a> {
+    /// Pixels across.
+    pub width: usize,
+    /// Pixels down.
+    pub height: usize,
+    /// Linear radiance of any brightness.
+    pub color: &'a [[f32; 3]],
+    /// Colours of the first surfaces, 0 to 1, and their normals, -1 to 1; as noisy as they are.
+    pub guides: Option<Guides<'a>>,
+}
+
+/// What the first surfaces are like.
+#[derive(Clone, Copy, Debug)]
+pub struct Guides<'a> {
+    /// 0 to 1.
+    pub albedo: &'a [[f32; 3]],
+    /// -1 to 1.
+    pub normal: &'a [[f32; 3]],
+}
+
+/// Why there is no denoised picture.
+#[derive(Debug, thiserror::Error)]
+pub enum DenoiseError {
+    /// The library is not on this machine.
+    #[error(
+        "Intel Open Image Denoise was not found: run `make setup`, or set OIDN_DIR to the folder of an installation ({0})"
+    )]
+    NotFound(String),
+    /// The library failed, in its own words.
+    #[error("Intel Open Image Denoise failed: {0}")]
+    Failed(String),
+    /// A list has not one entry for each pixel.
+    #[error("the picture is {width} x {height} pixels, and one of its parts has {found}")]
+    Size {
+        /// Pixels across.
+        width: usize,
+        /// Pixels down.
+        height: usize,
+        /// Entries in the list.
+        found: usize,
+    },
+}
+
+/// The library, ready to work on the CPU.
+pub struct Denoiser {
+    device: Device,
+}
+
+impl Denoiser {
+    /// Looks for the library in `$OIDN_DIR` if that is set, else beside the program, in the project's `.venv`, and where the
+    /// system keeps its own.
+    pub fn open() -> Result<Self, DenoiseError> {
+        let mut reasons = vec![];
+        for path in candidates() {
+            match Library::open(&path) {
+                Ok(library) => return Ok(Self { device: Device::new(library)? }),
+                Err(reason) => reasons.push(reason),
+            }
+        }
+        Err(DenoiseError::NotFound(reasons.pop().unwrap_or_default()))
+    }
+
+    /// As the library says it: `Open Image Denoise 2.5.1`.
+    pub fn name(&self) -> String {
+        let version = self.device.version();
+        format!("Open Image Denoise {}.{}.{}", version / 10_000, version / 100 % 100, version % 100)
+    }
+
+    /// The picture without its noise. Guides are denoised first, so that their noise does not come back.
+    pub fn denoise(&self, noisy: Noisy<'_>) -> Result<Vec<[f32; 3]>, DenoiseError> {
+        let Noisy { width, height, color, guides } = noisy;
+        let lists = [Some(color), guides.map(|g| g.albedo), guides.map(|g| g.normal)];
+        if let Some(wrong) = lists.into_iter().flatten().find(|list| list.len() != width * height) {
+            return Err(DenoiseError::Size { width, height, found: wrong.len() });
+        }
+        let size = [width, height];
+        match guides {
+            None => self.device.filter(size, &[("color", color)], &["hdr"]),
+            Some(Guides { albedo, normal }) => {
+                let albedo = self.device.filter(size, &[("albedo", albedo)], &[])?;
+                let normal = self.device.filter(size, &[("normal", normal)], &[])?;
+                let inputs = [("color", color), ("albedo", &albedo), ("normal", &normal)];
+                self.device.filter(size, &inputs, &["hdr", "cleanAux"])
+            }
+        }
+    }
+}
+
+const NAME: &str = if cfg!(windows) {
+    "OpenImageDenoise.dll"
+} else if cfg!(target_os = "macos") {
+    "libOpenImageDenoise.2.dylib"
+} else {
+    "libOpenImageDenoise.so.2"
+};
+
+/// Where the library may be, the likeliest first.
+fn candidates() -> Vec<PathBuf> {
+    let within = |root: PathBuf| ["lib", "bin", ""].map(|folder| root.join(folder).join(NAME));
+    if let Some(chosen) = std::env::var_os("OIDN_DIR") {
+        return within(chosen.into()).into();
+    }
+    let program = std::env::current_exe().ok();
+    let beside = program.as_deref().and_then(Path::parent).and_then(Path::parent).map(PathBuf::from);
+    let pythons = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../.venv/lib"));
+    let wheels = pythons.into_iter().flatten().flatten().map(|it| it.path().join("site-packages/pyoidn/oidn"));
+    let installed = beside.into_iter().chain(wheels).flat_map(within).filter(|path| path.exists());
+    installed.chain([PathBuf::from(NAME)]).collect()
+}

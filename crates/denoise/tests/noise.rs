@@ -1,0 +1,62 @@
+//! What is left of noise; where the library is installed.
+
+use raggio_denoise::{DenoiseError, Denoiser, Guides, Noisy};
+
+const SIDE: usize = 128;
+
+/// A grey wall left and a bright one right, and the same with noise of a fixed kind.
+fn picture() -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
+    let mut state = 1u32;
+    let mut unit = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / (1 << 24) as f32
+    };
+    let clean: Vec<_> =
+        (0..SIDE * SIDE).map(|i| if i % SIDE < SIDE / 2 { [0.2; 3] } else { [2.0, 1.5, 1.0] }).collect();
+    let noisy = clean.iter().map(|pixel| pixel.map(|value| value * 2.0 * unit())).collect();
+    (clean, noisy)
+}
+
+fn error(found: &[[f32; 3]], clean: &[[f32; 3]]) -> f32 {
+    let squares = found.iter().flatten().zip(clean.iter().flatten()).map(|(a, b)| (a - b) * (a - b));
+    (squares.sum::<f32>() / (3 * clean.len()) as f32).sqrt()
+}
+
+/// The library; `None`, with a word on standard error, where there is none.
+fn denoiser() -> Option<Denoiser> {
+    match Denoiser::open() {
+        Ok(denoiser) => Some(denoiser),
+        Err(error @ DenoiseError::NotFound(_)) => {
+            let required = std::env::var("RAGGIO_TEST_EVERYTHING").is_ok_and(|value| value == "1");
+            assert!(!required, "RAGGIO_TEST_EVERYTHING=1, and {error}");
+            eprintln!("not tested: {error}");
+            None
+        }
+        Err(error) => panic!("{error}"),
+    }
+}
+
+#[test]
+fn noise_goes_and_edges_stay() {
+    let Some(denoiser) = denoiser() else { return };
+    assert!(denoiser.name().starts_with("Open Image Denoise 2."), "{}", denoiser.name());
+    let (clean, noisy) = picture();
+    let albedo: Vec<_> = clean.iter().map(|pixel| pixel.map(|value| value / 2.0)).collect();
+    let normal = vec![[0.0, 0.0, 1.0]; clean.len()];
+    let guides = Guides { albedo: &albedo, normal: &normal };
+    let before = error(&noisy, &clean);
+    for guides in [None, Some(guides)] {
+        let picture = Noisy { width: SIDE, height: SIDE, color: &noisy, guides };
+        let found = error(&denoiser.denoise(picture).expect("it is denoised"), &clean);
+        assert!(found < 0.15 * before, "with guides: {}: {found} is left of {before}", guides.is_some());
+    }
+}
+
+#[test]
+fn lists_of_other_lengths_are_refused() {
+    let Some(denoiser) = denoiser() else { return };
+    let (_, noisy) = picture();
+    let picture = Noisy { width: SIDE, height: SIDE + 1, color: &noisy, guides: None };
+    let error = denoiser.denoise(picture).expect_err("a row is missing").to_string();
+    assert_eq!(error, "the picture is 128 x 129 pixels, and one of its parts has 16384");
+}

@@ -1,0 +1,194 @@
+//! What else a picture can say of each pixel: arbitrary output variables.
+
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+
+use exr::prelude::FlatSamples;
+use raggio_kernels::{Feature, FilmPixel};
+
+use crate::device::DeviceError;
+use crate::device_scene::DeviceScene;
+use crate::film::Film;
+use crate::renderer::Renderer;
+
+/// A layer of an EXR beside the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aov {
+    /// Colour of the first surface: `albedo.R`, `.G`, `.B`. Of a lamp, the colour of its light.
+    Albedo,
+    /// Its unit normal in the world, on the side that is seen: `normal.X`, `.Y`, `.Z`.
+    Normal,
+    /// Its distance from the lens along the view direction, infinite where there is none: `depth.Z`.
+    Depth,
+    /// Where it is in the world: `position.X`, `.Y`, `.Z`.
+    Position,
+    /// In pixels a frame: `motion.X`, `.Y`. Scenes stand still, so it is 0.
+    Motion,
+    /// Of the shape in the middle of the pixel, by its place in the scene from 1 on; 0 is none: `object_id.I`.
+    ObjectId,
+    /// Of its material, in the same way: `material_id.I`.
+    MaterialId,
+    /// How many the pixel has: `samples.N`.
+    Samples,
+    /// Of the mean luminance, as independent samples would have it: `variance.Y`.
+    Variance,
+}
+
+/// A channel of an EXR: `depth.Z`, and its values row by row from the top left.
+pub type Channel = (String, FlatSamples);
+
+/// Films of features, each of the samples of the picture.
+#[derive(Default)]
+pub struct Features {
+    films: HashMap<u32, Film>,
+}
+
+impl Aov {
+    /// All there are.
+    pub const ALL: [Self; 9] = [
+        Self::Albedo,
+        Self::Normal,
+        Self::Depth,
+        Self::Position,
+        Self::Motion,
+        Self::ObjectId,
+        Self::MaterialId,
+        Self::Samples,
+        Self::Variance,
+    ];
+
+    /// Of the layer.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Albedo => "albedo",
+            Self::Normal => "normal",
+            Self::Depth => "depth",
+            Self::Position => "position",
+            Self::Motion => "motion",
+            Self::ObjectId => "object_id",
+            Self::MaterialId => "material_id",
+            Self::Samples => "samples",
+            Self::Variance => "variance",
+        }
+    }
+
+    /// The films that it is made from, besides that of radiance.
+    pub fn features(self) -> &'static [Feature] {
+        match self {
+            Self::Albedo => &[Feature::Albedo],
+            Self::Normal => &[Feature::Normal, Feature::Hit],
+            Self::Depth => &[Feature::PlaneDepth, Feature::Hit],
+            Self::Position => &[Feature::Position, Feature::Hit],
+            Self::ObjectId => &[Feature::Object],
+            Self::MaterialId => &[Feature::Material],
+            Self::Motion | Self::Samples | Self::Variance => &[],
+        }
+    }
+
+    /// Its channels, from the film of radiance and [`Features`] that hold its own.
+    pub fn channels(self, radiance: &Film, features: &Features, scene: &DeviceScene) -> Vec<Channel> {
+        let whole = |of: &dyn Fn(usize) -> u32| FlatSamples::U32((0..radiance.pixels().len()).map(of).collect());
+        let number = |feature: Feature, i: usize| features.mean(feature, i)[0] as u32;
+        match self {
+            Self::Albedo => self.vector(["R", "G", "B"], features.vectors(Feature::Albedo)),
+            Self::Normal => self.vector(["X", "Y", "Z"], features.normals()),
+            Self::Depth => vec![self.channel("Z", FlatSamples::F32(features.depths()))],
+            Self::Position => self.vector(["X", "Y", "Z"], features.positions()),
+            Self::Motion => {
+                ["X", "Y"].map(|axis| self.channel(axis, FlatSamples::F32(vec![0.0; radiance.pixels().len()]))).into()
+            }
+            Self::ObjectId => {
+                // Kernels number shapes by their place in the hierarchy.
+                let shape = |place: u32| scene.shape_of_place.get(place.wrapping_sub(1) as usize);
+                vec![self.channel("I", whole(&|i| shape(number(Feature::Object, i)).map_or(0, |shape| shape + 1)))]
+            }
+            Self::MaterialId => vec![self.channel("I", whole(&|i| number(Feature::Material, i)))],
+            Self::Samples => vec![self.channel("N", whole(&|i| radiance.pixels()[i].samples))],
+            Self::Variance => {
+                let variance = |pixel: &FilmPixel| pixel.luminance_error().map_or(f32::INFINITY, |e| (e * e) as f32);
+                vec![self.channel("Y", FlatSamples::F32(radiance.pixels().iter().map(variance).collect()))]
+            }
+        }
+    }
+
+    fn channel(self, component: &str, samples: FlatSamples) -> Channel {
+        (format!("{}.{component}", self.name()), samples)
+    }
+
+    fn vector(self, components: [&str; 3], values: Vec<[f32; 3]>) -> Vec<Channel> {
+        let component = |i: usize| FlatSamples::F32(values.iter().map(|value| value[i]).collect());
+        (0..3).map(|i| self.channel(components[i], component(i))).collect()
+    }
+}
+
+impl Features {
+    /// Renders each of `wanted` once, with `samples` samples a pixel, as far as `proceed` lets it: it is asked after each
+    /// portion. The film of radiance stays as it is, and is shown afterwards.
+    pub fn render(
+        renderer: &mut Renderer,
+        wanted: impl IntoIterator<Item = Feature>,
+        samples: u32,
+        mut proceed: impl FnMut() -> ControlFlow<()>,
+    ) -> Result<Self, DeviceError> {
+        let mut films = HashMap::new();
+        let target = renderer.target();
+        for feature in wanted {
+            if films.contains_key(&(feature as u32)) {
+                continue;
+            }
+            renderer.show(feature)?;
+            renderer.set_target(if feature.is_index() { 1 } else { samples });
+            while !renderer.finished() && proceed().is_continue() {
+                renderer.advance()?;
+            }
+            films.insert(feature as u32, renderer.film()?);
+        }
+        renderer.show(Feature::Radiance)?;
+        renderer.set_target(target);
+        Ok(Self { films })
+    }
+
+    /// Mean colours of the first surfaces; black where there is none.
+    pub fn albedos(&self) -> Vec<[f32; 3]> {
+        self.vectors(Feature::Albedo)
+    }
+
+    /// Mean normals; 0 where there is none, and shorter than 1 where several are seen.
+    pub fn normals(&self) -> Vec<[f32; 3]> {
+        let normal = |i: usize| {
+            let [coverage, ..] = self.mean(Feature::Hit, i);
+            self.mean(Feature::Normal, i).map(|encoded| (2.0 * encoded - coverage) as f32)
+        };
+        (0..self.pixels()).map(normal).collect()
+    }
+
+    /// Over what is covered; infinite where nothing is.
+    fn depths(&self) -> Vec<f32> {
+        let depth = |i: usize| match self.mean(Feature::Hit, i)[0] {
+            coverage if coverage > 0.0 => (self.mean(Feature::PlaneDepth, i)[0] / coverage) as f32,
+            _ => f32::INFINITY,
+        };
+        (0..self.pixels()).map(depth).collect()
+    }
+
+    /// Over what is covered; 0 where nothing is.
+    fn positions(&self) -> Vec<[f32; 3]> {
+        let position = |i: usize| match self.mean(Feature::Hit, i)[0] {
+            coverage if coverage > 0.0 => self.mean(Feature::Position, i).map(|sum| (sum / coverage) as f32),
+            _ => [0.0; 3],
+        };
+        (0..self.pixels()).map(position).collect()
+    }
+
+    fn vectors(&self, feature: Feature) -> Vec<[f32; 3]> {
+        (0..self.pixels()).map(|i| self.mean(feature, i).map(|channel| channel as f32)).collect()
+    }
+
+    fn mean(&self, feature: Feature, pixel: usize) -> [f64; 3] {
+        self.films.get(&(feature as u32)).map_or([0.0; 3], |film| film.pixels()[pixel].mean())
+    }
+
+    fn pixels(&self) -> usize {
+        self.films.values().next().map_or(0, |film| film.pixels().len())
+    }
+}

@@ -1,0 +1,100 @@
+//! What an EXR says of how it was made.
+
+use std::collections::HashMap;
+
+use exr::prelude::{AttributeValue, LayerAttributes, Text};
+use glam::{DMat4, DVec4};
+use raggio_scene::{Camera, Filter, RenderSettings, Sampler, Scene};
+
+/// How a picture was made.
+#[derive(Clone, Debug)]
+pub struct Metadata {
+    /// Of the scene.
+    pub scene: String,
+    /// The most that a pixel has.
+    pub samples: u32,
+    /// How light was followed.
+    pub integrator: String,
+    /// What removed noise, and its version.
+    pub denoiser: Option<String>,
+    settings: RenderSettings,
+    camera: Camera,
+}
+
+impl Metadata {
+    /// Of a picture of `scene`, which is called `name`.
+    pub fn new(scene: &Scene, name: &str, integrator: &str) -> Self {
+        Self {
+            scene: name.into(),
+            samples: scene.render.samples,
+            integrator: integrator.into(),
+            denoiser: None,
+            settings: scene.render.clone(),
+            camera: scene.camera.clone(),
+        }
+    }
+
+    /// Writes itself into the header of a layer.
+    pub(crate) fn describe(&self, attributes: &mut LayerAttributes) {
+        let camera_from_world = self.camera_from_world();
+        attributes.world_to_camera = Some(row_vectors(camera_from_world));
+        attributes.world_to_normalized_device = Some(row_vectors(self.ndc_from_camera() * camera_from_world));
+        let text = |value: &str| AttributeValue::Text(Text::new_or_none(value).unwrap_or_else(|| Text::from("?")));
+        let number = |value: u32| text(&value.to_string());
+        let mut other: HashMap<&str, AttributeValue> = HashMap::from([
+            ("scene", text(&self.scene)),
+            ("samples", number(self.samples)),
+            ("maxDepth", number(self.settings.max_depth)),
+            ("seed", number(self.settings.seed)),
+            ("integrator", text(&self.integrator)),
+            ("sampler", text(sampler_name(self.settings.sampler))),
+            ("filter", text(filter_name(self.settings.filter))),
+        ]);
+        if let Some(denoiser) = &self.denoiser {
+            other.insert("denoiser", text(denoiser));
+        }
+        attributes.other.extend(other.into_iter().map(|(name, value)| (Text::from(name), value)));
+    }
+
+    /// As OpenEXR wants it: left-handed, x to the right, y up, z where the camera looks.
+    fn camera_from_world(&self) -> DMat4 {
+        let eye = self.camera.position.as_dvec3();
+        let forward = (self.camera.look_at.as_dvec3() - eye).normalize();
+        let right = forward.cross(self.camera.up.as_dvec3()).normalize();
+        let up = right.cross(forward);
+        DMat4::from_cols(right.extend(0.0), up.extend(0.0), forward.extend(0.0), eye.extend(1.0)).inverse()
+    }
+
+    /// (0, 0) is the picture's top left corner, (1, 1) its bottom right one.
+    fn ndc_from_camera(&self) -> DMat4 {
+        let half_height = (f64::from(self.camera.vertical_fov_degrees).to_radians() / 2.0).tan();
+        let half_width = half_height * f64::from(self.settings.width) / f64::from(self.settings.height);
+        DMat4::from_cols(
+            DVec4::new(0.5 / half_width, 0.0, 0.0, 0.0),
+            DVec4::new(0.0, -0.5 / half_height, 0.0, 0.0),
+            DVec4::new(0.5, 0.5, 1.0, 1.0),
+            DVec4::new(0.0, 0.0, -1.0, 0.0),
+        )
+    }
+}
+
+/// OpenEXR multiplies row vectors from the left, and stores rows: the columns of ours.
+fn row_vectors(matrix: DMat4) -> [f32; 16] {
+    matrix.to_cols_array().map(|value| value as f32)
+}
+
+fn sampler_name(sampler: Sampler) -> &'static str {
+    match sampler {
+        Sampler::Sobol => "sobol",
+        Sampler::Pcg => "pcg",
+    }
+}
+
+fn filter_name(filter: Filter) -> &'static str {
+    match filter {
+        Filter::Box => "box",
+        Filter::BlackmanHarris => "blackman-harris",
+        Filter::Mitchell => "mitchell",
+        Filter::Point => "point",
+    }
+}
