@@ -5,8 +5,10 @@ use raggio_scene::{Filter, Scene};
 use raggio_tests::render::{Estimate, means};
 use raggio_tests::{for_each_device, parse, render};
 
-/// Filters with their radius in pixels and the filter along one axis, of any scale.
-fn filters() -> [(Filter, f64, fn(f64) -> f64); 3] {
+/// A filter, its radius in pixels, and the filter along one axis, of any scale.
+type Described = (Filter, f64, fn(f64) -> f64);
+
+fn filters() -> [Described; 3] {
     let window = |x: f64| {
         let angle = |k: f64| (k * std::f64::consts::TAU * (x / 3.0 + 0.5)).cos();
         0.35875 - 0.48829 * angle(1.0) + 0.14128 * angle(2.0) - 0.01168 * angle(3.0)

@@ -9,7 +9,16 @@ use raggio_tests::{for_each_device, parse, render};
 
 use crate::still_life;
 
-const FEATURES: [Feature; 4] = [Feature::Hit, Feature::Albedo, Feature::Normal, Feature::Depth];
+const FEATURES: [Feature; 8] = [
+    Feature::Hit,
+    Feature::Albedo,
+    Feature::Normal,
+    Feature::Depth,
+    Feature::PlaneDepth,
+    Feature::Position,
+    Feature::Object,
+    Feature::Material,
+];
 
 /// Rays through the middles of all pixels, and what they meet.
 fn first_hits(session: &mut dyn Session, scene: &Scene) -> Vec<(DVec3, Answer)> {
@@ -29,18 +38,24 @@ fn first_three(v: [f32; 4]) -> DVec3 {
 
 /// By its definition.
 fn expected(feature: Feature, scene: &Scene, direction: DVec3, hit: &Answer) -> DVec3 {
-    let [distance, _, material, _] = hit[0];
+    let [distance, place, number, _] = hit[0];
     if distance < 0.0 {
         return DVec3::ZERO;
     }
-    let material = &scene.materials[material as usize];
+    let distance = f64::from(distance);
+    let forward = (scene.camera.look_at - scene.camera.position).as_dvec3().normalize();
+    let material = &scene.materials[number as usize];
     let normal = first_three(hit[2]);
     match feature {
         Feature::Radiance | Feature::Hit => DVec3::ONE,
         Feature::Albedo if material.name == "lamp" => material.emission_color.as_dvec3(),
         Feature::Albedo => material.color.as_dvec3(),
         Feature::Normal => 0.5 - 0.5 * normal * normal.dot(direction).signum(),
-        Feature::Depth => DVec3::splat(f64::from(distance)),
+        Feature::Depth => DVec3::splat(distance),
+        Feature::PlaneDepth => DVec3::splat(distance * forward.dot(direction)),
+        Feature::Position => first_three(hit[1]),
+        Feature::Object => DVec3::splat(f64::from(place) + 1.0),
+        Feature::Material => DVec3::splat(f64::from(number) + 1.0),
     }
 }
 
@@ -116,6 +131,9 @@ fn hidden_boundaries_are_looked_through() {
                     Feature::Albedo => DVec3::new(0.2, 0.4, 0.6),
                     Feature::Normal => DVec3::new(0.5, 0.5, 1.0),
                     Feature::Depth => DVec3::splat(3.0 * direction.length()),
+                    Feature::PlaneDepth => DVec3::splat(3.0),
+                    Feature::Position => 3.0 * direction,
+                    Feature::Object | Feature::Material => DVec3::splat(3.0),
                 };
                 let error = relative_difference(found[place], expected);
                 assert!(error < 1e-6, "{what}: expected {expected}, found {}", found[place]);
