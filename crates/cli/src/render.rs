@@ -44,12 +44,11 @@ pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
         aovs: Aov::ALL.into_iter().filter(|aov| aovs.contains(aov)).collect(),
         denoise: arguments.denoise,
         stop: arguments.stop,
-        integrator: arguments.integrator.name(),
         display,
         stats: arguments.stats.as_deref(),
         machine: &arguments.machine,
         overrides: &arguments.overrides,
-        integrator: arguments.integrator.into(),
+        integrator: arguments.integrator,
     };
     job.run(scene)
 }
@@ -62,13 +61,12 @@ pub fn demo(arguments: &DemoArguments) -> Result<(), Failure> {
         aovs: vec![],
         denoise: false,
         stop: StopArguments::default(),
-        integrator: Integrator::Reference.name(),
         outputs: std::slice::from_ref(&arguments.output),
         display: Display::default(),
         stats: None,
         machine: &arguments.machine,
         overrides: &arguments.overrides,
-        integrator: Integrator::default(),
+        integrator: Integrator::Path,
     };
     job.run(scene)
 }
@@ -79,7 +77,6 @@ struct Job<'a> {
     aovs: Vec<Aov>,
     denoise: bool,
     stop: StopArguments,
-    integrator: &'static str,
     outputs: &'a [PathBuf],
     display: Display,
     stats: Option<&'a Path>,
@@ -179,7 +176,7 @@ impl Job<'_> {
 
     fn metadata(&self, scene: &Scene, film: &Film) -> Metadata {
         let samples = film.pixels().iter().map(|pixel| pixel.samples).max().unwrap_or(0);
-        let mut metadata = Metadata::new(scene, &self.name, self.integrator);
+        let mut metadata = Metadata::new(scene, &self.name, self.integrator.name());
         metadata.samples = samples;
         metadata
     }
@@ -194,7 +191,7 @@ impl Job<'_> {
         });
         render.max_depth = max_depth.unwrap_or(render.max_depth);
         render.seed = seed.unwrap_or(render.seed);
-        render.integrator = self.integrator;
+        render.integrator = self.integrator.into();
         render.sampler = sampler.map_or(render.sampler, Into::into);
         render.filter = filter.map_or(render.filter, Into::into);
         render.clamp = clamp.or(render.clamp);

@@ -45,9 +45,10 @@ pub fn compile(modules: &Modules, out: &Path) -> Result<(), String> {
 
 /// Functions, by how their names begin, that are long and called from several places: a call costs little beside what
 /// they do, and a copy for every caller costs minutes of the C++ compiler's time.
-const CALLED: [&str; 20] = [
+const CALLED: [&str; 21] = [
     "sobol4D",
-    "fitted",
+    "RoughBoundary_",
+    "sheenAlbedo",
     "PrincipledBsdf_evaluate",
     "PrincipledBsdf_x24init",
     "PrincipledFresnel_split",

@@ -138,6 +138,9 @@ impl SceneBuffers {
         if self.camera_media.len() > MAX_NESTED_MEDIA as usize {
             return fail("more media around the camera than a path can remember");
         }
+        if self.albedos.len() != ALBEDO_NODES as usize {
+            return fail("the tables of albedos have another size");
+        }
         if self.camera_media.iter().any(|medium| medium.shape as usize >= self.order.len()) {
             return fail("a medium around the camera is no shape");
         }
@@ -376,6 +379,7 @@ mod tests {
             order: vec![ShapeReference { kind: ShapeKind::Sphere as u32, ..ShapeReference::default() }].into(),
             materials: vec![Material { principled: NONE, ..Material::default() }].into(),
             nodes: Arc::new(nodes.iter().map(node).collect()),
+            albedos: vec![[0; 2]; ALBEDO_NODES as usize].into(),
             counts: vec![SceneCounts {
                 shapes: 1,
                 nodes: nodes.len() as u32,
@@ -416,6 +420,7 @@ mod tests {
         });
         refused(SceneBuffers { camera_media: vec![CameraMedium { shape: 1, material: 0 }].into(), ..tree() });
         refused(SceneBuffers { sky: vec![].into(), ..tree() });
+        refused(SceneBuffers { albedos: vec![].into(), ..tree() });
         let instance = Instance { first_material: NONE, ..Instance::default() };
         refused(SceneBuffers { instances: vec![instance].into(), ..tree() });
         let material = Material { principled: 0, ..Material::default() };

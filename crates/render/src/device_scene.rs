@@ -1,5 +1,6 @@
 //! The one translator from a scene to what kernels read.
 
+mod albedos;
 mod materials;
 mod shapes;
 
@@ -17,6 +18,7 @@ use raggio_scene::{
 };
 
 use crate::bounds::shape_bounds;
+use crate::device_scene::albedos::albedos;
 use crate::device_scene::materials::Materials;
 use crate::device_scene::shapes::Shapes;
 use crate::filters::filter_table;
@@ -125,6 +127,7 @@ impl DeviceScene {
         self.buffers.materials = materials.materials.into();
         self.buffers.principled = materials.principled.into();
         (self.buffers.textures, self.buffers.texels) = self.textures.finish();
+        self.buffers.albedos = albedos();
         self.buffers.lights = Arc::new(scene.lights.iter().map(device_light).collect());
         let mut shapes = Shapes::new(&scene.materials);
         let references: Vec<_> = scene.shapes.iter().map(|shape| shapes.add(shape, &self.meshes)).collect();

@@ -1,5 +1,6 @@
 //! What the kernels draw follows the density they state, and random numbers are random.
 
+mod bsdf;
 mod densities;
 mod directions;
 mod functions;

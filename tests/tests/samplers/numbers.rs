@@ -147,3 +147,30 @@ fn angles_are_accurate() {
         println!("{}: worst error of angles {worst:.2e} turns", device.label);
     });
 }
+
+/// As documented: relative errors below 2e-7 of exponentials, 1e-7 of logarithms (absolute near 1); 4e-7 absolute of cosines.
+#[test]
+fn elementary_functions_are_accurate() {
+    let random = &mut Pcg::new(6);
+    let mut numbers: Vec<f32> = (0..200_000).map(|_| random.between(-87.0, 87.0) as f32).collect();
+    numbers.extend((0..200_000).map(|_| random.log_between(1e-37, 1e38) as f32));
+    numbers.extend((0..100_000).map(|_| random.between(0.5, 2.0) as f32));
+    numbers.extend([0.0, 1.0, -1e30, -87.1, 87.0]);
+    let questions: Vec<Question> = numbers.iter().map(|&x| [[x, 0.0, 0.0, 0.0], [0.0; 4], [0.0; 4]]).collect();
+    for_each_device(|device| {
+        let mut worst = [0.0f64; 3];
+        for (&number, [answer, ..]) in numbers.iter().zip(device.ask(&anywhere(), Probe::Elementary, &questions)) {
+            let x = f64::from(number);
+            let error = |i: usize, expected: f64| (f64::from(answer[i]) - expected).abs();
+            let exponential = if x > -87.0 { error(0, x.min(87.0).exp()) / x.min(87.0).exp() } else { error(0, 0.0) };
+            let logarithm = if x > 0.0 { error(1, x.ln()) / x.ln().abs().max(1.0) } else { 0.0 };
+            // Of turns a float tells less the more there are.
+            let cosine = if x.abs() < 100.0 { error(2, (TAU * (x - x.floor())).cos()) } else { 0.0 };
+            let errors = [exponential, logarithm, cosine];
+            let allowed = [2e-7, 1e-7, 4e-7];
+            assert!((0..3).all(|i| errors[i] < allowed[i]), "{}: of {x}: {answer:?}, errors {errors:?}", device.label);
+            worst = [0, 1, 2].map(|i| worst[i].max(errors[i]));
+        }
+        println!("{}: worst errors of exponential, logarithm and cosine {worst:?}", device.label);
+    });
+}

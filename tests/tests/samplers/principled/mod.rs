@@ -7,7 +7,7 @@ mod reciprocity;
 
 use glam::Vec3;
 use raggio_render::{Answer, Probe, Question};
-use raggio_tests::{Pcg, TestDevice};
+use raggio_tests::TestDevice;
 
 use crate::anywhere;
 
@@ -137,25 +137,21 @@ impl Closure {
             .collect()
     }
 
-    /// `side` to the fourth power samples with stratified numbers.
-    fn stratified(&self, device: &TestDevice, wo: Vec3, side: u32) -> Vec<Sample> {
-        let mut random = Pcg::new(7);
-        let mut number = |cell: u32| ((cell % side) as f32 + random.unit()).min(side as f32 - 1e-3) / side as f32;
-        let mut cell = |i: u32| [0, 1, 2, 3].map(|k| number(i / side.pow(k)));
-        let numbers: Vec<_> = (0..side.pow(4)).map(&mut cell).collect();
-        self.ask_samples(device, wo, &numbers)
-    }
-
-    /// Part of the light from `wo` that goes on, and the standard error of that.
-    fn energy(&self, device: &TestDevice, wo: Vec3, side: u32) -> (Vec3, f32) {
-        let samples = self.stratified(device, wo, side);
-        // Indices beyond 3 bend as 3 does.
-        let squeeze = if self.thin_walled { 1.0 } else { self.eta.clamp(1.0 / 3.0, 3.0).powi(2) };
-        let flux = |s: &Sample| if s.transmitted { s.weight / squeeze } else { s.weight };
-        let count = samples.len() as f32;
-        let mean = samples.iter().map(flux).sum::<Vec3>() / count;
-        let spread = samples.iter().map(|s| (flux(s) - mean).length_squared() / 3.0).sum::<f32>() / count;
-        (mean, (spread / count).sqrt())
+    /// Part of the light from each `wo` that goes on, and the standard error of that: of 16 lattices of `count` samples.
+    fn energies(&self, device: &TestDevice, wos: &[Vec3], count: u32) -> Vec<(Vec3, f32)> {
+        const LATTICES: usize = 16;
+        let lattices = |wo: &Vec3| {
+            let wo = wo.extend(0.0).to_array();
+            (0..LATTICES).map(move |seed| [wo, [seed as f32, count as f32, 0.0, 0.0], [0.0; 4]])
+        };
+        let answers = self.ask(device, Probe::PrincipledEnergy, wos.iter().flat_map(lattices));
+        let estimate = |answers: &[Answer]| {
+            let means = answers.iter().map(|a| Vec3::from_slice(&a[0]));
+            let mean = means.clone().sum::<Vec3>() / LATTICES as f32;
+            let spread = means.map(|m| (m - mean).length_squared() / 3.0).sum::<f32>() / (LATTICES - 1) as f32;
+            (mean, (spread / LATTICES as f32).sqrt())
+        };
+        answers.chunks(LATTICES).map(estimate).collect()
     }
 }
 

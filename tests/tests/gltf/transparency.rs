@@ -1,0 +1,192 @@
+//! What lets light pass: coverage, thin sheets, bodies, leaves; and what needs none: unlit surfaces.
+
+use glam::DVec3;
+use serde_json::{Value, json};
+
+use crate::asset::{Asset, glowing, matte, merged};
+use crate::picture::{Shot, within};
+
+fn smooth(color: [f32; 3], extensions: Value) -> Value {
+    let [red, green, blue] = color;
+    let factors = json!({ "baseColorFactor": [red, green, blue, 1], "metallicFactor": 0, "roughnessFactor": 0 });
+    json!({ "pbrMetallicRoughness": factors, "extensions": extensions })
+}
+
+/// Where alpha (factor x texture x vertices) is below the cutoff there is nothing.
+#[test]
+fn masks_cut() {
+    let texels = [[0, 0, 0, 255], [0, 0, 0, 127], [0, 0, 0, 64], [0, 0, 0, 0]];
+    let cases = [
+        ("the default cutoff", json!({ "alphaMode": "MASK" }), 1.0, -0.25),
+        ("a lower cutoff", json!({ "alphaMode": "MASK", "alphaCutoff": 0.2 }), 1.0, 0.25),
+        ("a factor", json!({ "alphaMode": "MASK", "alphaCutoff": 0.2 }), 0.5, 0.0),
+        ("opaque", json!({ "alphaMode": "OPAQUE" }), 1.0, 0.5),
+    ];
+    for (what, mode, alpha, right) in cases {
+        let base = json!({ "baseColorFactor": [0, 0, 0, alpha], "baseColorTexture": { "index": 0 } });
+        let material = merged(merged(glowing(), mode), json!({ "pbrMetallicRoughness": base }));
+        let asset = Asset::square(material).texture(&[&texels], json!({ "magFilter": 9728 }));
+        Shot::default().take(&asset).assert_lit(what, |x, y| within([0.0, 0.0], [1.0, 1.0])(x, y) && x < right);
+    }
+    // Their vertices' alpha multiplies too.
+    let material = merged(glowing(), json!({ "alphaMode": "MASK" }));
+    let colors = [[1.0f32, 1.0, 1.0, 0.4], [1.0, 1.0, 1.0, 0.9], [1.0, 1.0, 1.0, 0.9], [1.0, 1.0, 1.0, 0.4]];
+    let asset = Asset::square(material).with("COLOR_0", "VEC4", colors.as_flattened());
+    let picture = Shot::default().take(&asset);
+    // Alpha is 1/2 at a fifth of the way.
+    picture.assert_lit("vertices", |x, y| within([0.0, 0.0], [1.0, 1.0])(x, y) && x > -0.3);
+}
+
+/// Blending is chance: on average a part of the square's light and the rest of what is behind.
+#[test]
+fn blending_mixes() {
+    for alpha in [0.25, 0.8] {
+        let base = json!({ "pbrMetallicRoughness": { "baseColorFactor": [0, 0, 0, alpha] }, "alphaMode": "BLEND" });
+        let environment = "color = [0, 0, 0.5]".into();
+        let shot = Shot { environment, samples: 1024, depth: 3, ..Shot::default() };
+        let picture = shot.take(&Asset::square(merged(glowing(), base)));
+        let mean = (-4..4).flat_map(|i| (-4..4).map(move |j| (i, j)));
+        let mean =
+            mean.map(|(i, j)| picture.at(f64::from(i) / 8.0 + 0.06, f64::from(j) / 8.0 + 0.06)).sum::<DVec3>() / 64.0;
+        let expected = DVec3::new(alpha, alpha, alpha + 0.5 * (1.0 - alpha));
+        // 65536 coins.
+        assert!((mean - expected).abs().max_element() < 0.008, "alpha {alpha}: {mean}, not {expected}");
+    }
+}
+
+/// Both sides are there, whatever `doubleSided` says.
+#[test]
+fn surfaces_have_two_sides() {
+    for double_sided in [false, true] {
+        let material = merged(glowing(), json!({ "doubleSided": double_sided }));
+        let asset = Asset::square(material).nodes(json!([{ "mesh": 0, "rotation": [0, 1, 0, 0] }]));
+        let what = format!("from behind, doubleSided {double_sided}");
+        Shot::default().take(&asset).assert_lit(&what, within([0.0, 0.0], [1.0, 1.0]));
+    }
+}
+
+#[test]
+fn unlit_surfaces_are_their_color() {
+    let unlit = json!({ "KHR_materials_unlit": {} });
+    let base = json!({ "baseColorFactor": [0.9, 0.5, 0.1, 1], "baseColorTexture": { "index": 0 } });
+    let material = json!({ "pbrMetallicRoughness": base, "extensions": unlit });
+    let asset = Asset::square(material).texture(&[&[[255, 188, 255, 255]]], json!({}));
+    let half = ((188.0f64 / 255.0 + 0.055) / 1.055).powf(2.4);
+    let color = DVec3::new(0.9, 0.5 * half, 0.1);
+    for environment in ["color = [0, 0, 0]", "color = [1, 1, 1]"] {
+        let shot = Shot { environment: environment.into(), ..Shot::default() };
+        let sky = if environment.contains('1') { DVec3::ONE } else { DVec3::ZERO };
+        let inside = |x: f64, y: f64| if within([0.0, 0.0], [1.0, 1.0])(x, y) { color } else { sky };
+        shot.take(&asset).assert_shows("unlit", inside);
+    }
+}
+
+/// A thin sheet in a furnace: what it reflects, and the rest in its colour.
+#[test]
+fn thin_sheets_transmit_their_color() {
+    let color = [0.9, 0.5, 0.1f32];
+    let sheet = smooth(color, json!({ "KHR_materials_transmission": { "transmissionFactor": 1 } }));
+    let picture = Shot { samples: 4096, depth: 3, ..Shot::furnace() }.take(&Asset::square(sheet));
+    let expected = 0.04 + 0.96 * DVec3::from_array(color.map(f64::from));
+    picture.assert_at("a sheet", (0.0625, 0.0625), expected, 0.01);
+}
+
+/// The factor, and red of the texture, leave the rest to the matte part: over a lamp behind it.
+#[test]
+fn transmission_by_factor_and_texture() {
+    let lamp = json!({ "translation": [0, 0, -1], "scale": [2, 2, 1], "mesh": 1 });
+    for (texel, part) in [(255u8, 0.8), (51, 0.16)] {
+        let transmission = json!({ "transmissionFactor": 0.8, "transmissionTexture": { "index": 0 } });
+        let extensions = json!({
+            "KHR_materials_transmission": transmission,
+            "KHR_materials_ior": { "ior": 1 },
+        });
+        let mut asset = Asset::square(smooth([1.0; 3], extensions)).texture(&[&[[texel, 0, 0, 255]]], json!({}));
+        let glow = asset.push("materials", glowing());
+        let mut other = asset.json["meshes"][0].clone();
+        other["primitives"][0]["material"] = json!(glow);
+        asset.push("meshes", other);
+        asset.push("nodes", lamp.clone());
+        // Two rays: nothing that is scattered finds the lamp.
+        let picture = Shot { samples: 4096, depth: 2, ..Shot::default() }.take(&asset);
+        let found = picture.at(0.0625, 0.0625).x;
+        // What the matte part scatters backward, through the square, is none: the lamp is behind it.
+        assert!((found - part).abs() < 0.03, "texel {texel}: {found} of the lamp's light, not {part}");
+    }
+}
+
+/// What is left after a way of 1 through the body is the attenuation colour to the power of 1 over its distance.
+#[test]
+fn volumes_absorb() {
+    for distance in [0.5, 1.0, 4.0] {
+        let attenuation = [0.7, 0.9, 0.3f64];
+        let volume = json!({
+            "thicknessFactor": 1, "attenuationColor": attenuation, "attenuationDistance": distance,
+        });
+        let extensions = json!({
+            "KHR_materials_transmission": { "transmissionFactor": 1 },
+            "KHR_materials_volume": volume,
+            "KHR_materials_ior": { "ior": 1 },
+        });
+        let asset = Asset::cube(smooth([1.0; 3], extensions));
+        let picture = Shot { samples: 16, depth: 4, ..Shot::furnace() }.take(&asset);
+        let expected = DVec3::from_array(attenuation.map(|left| left.powf(1.0 / distance)));
+        picture.assert_at(&format!("a distance of {distance}"), (0.0625, 0.0625), expected, 2e-3);
+    }
+}
+
+/// A leaf over a sky that is bright behind it alone.
+#[test]
+fn leaves_transmit_diffusely() {
+    let color = [0.2, 0.9, 0.4f32];
+    let transmission = json!({ "diffuseTransmissionFactor": 0.75, "diffuseTransmissionColorFactor": color });
+    let leaf = merged(
+        matte([1.0, 0.5, 0.25]),
+        json!({
+            "extensions": { "KHR_materials_diffuse_transmission": transmission },
+        }),
+    );
+    let picture = Shot { samples: 4096, ..Shot::furnace() }.take(&Asset::square(leaf));
+    let expected = 0.25 * DVec3::new(1.0, 0.5, 0.25) + 0.75 * DVec3::from_array(color.map(f64::from));
+    picture.assert_at("a leaf in a furnace", (0.0625, 0.0625), expected, 0.03);
+}
+
+/// A body of glass that bends each colour differently parts them; in a furnace all of them are there.
+#[test]
+fn dispersion_parts_colors() {
+    let glass = |dispersion: f64| {
+        let extensions = json!({
+            "KHR_materials_transmission": { "transmissionFactor": 1 },
+            "KHR_materials_volume": { "thicknessFactor": 1 },
+            "KHR_materials_ior": { "ior": 1.5 },
+            "KHR_materials_dispersion": { "dispersion": dispersion },
+        });
+        let turned = json!([{ "mesh": 0, "rotation": [0.0, 0.3, 0.0, 0.954] }]);
+        Asset::cube(smooth([1.0; 3], extensions)).nodes(turned)
+    };
+    // A narrow lamp behind the body.
+    let more = "[materials.lamp]\nemission_strength = 20\n[[shapes]]\nmaterial = \"lamp\"\n\
+                sphere = { center = [0.4, 0, -4], radius = 0.2 }\n";
+    let shot = Shot { samples: 512, depth: 8, more: more.into(), ..Shot::default() };
+    let part = |dispersion| {
+        let picture = shot.take(&glass(dispersion));
+        let apart: f64 = picture.0.iter().map(|c| c.max_element() - c.min_element()).sum();
+        apart / picture.0.iter().map(|c| c.max_element()).sum::<f64>()
+    };
+    let (none, some) = (part(0.0), part(4.0));
+    assert!(none < 1e-6, "without dispersion glass is colourless: {none}");
+    assert!(some > 0.1, "with dispersion, {some} of the light is coloured");
+}
+
+/// Variants name other materials: the picture is of the default, and the user is told.
+#[test]
+fn variants_are_told() {
+    let mut asset = Asset::square(glowing());
+    let other = asset.push("materials", matte([0.0; 3]));
+    asset.json["extensions"] = json!({ "KHR_materials_variants": { "variants": [{ "name": "dark" }] } });
+    let mappings = json!([{ "material": other, "variants": [0] }]);
+    asset.primitive()["extensions"] = json!({ "KHR_materials_variants": { "mappings": mappings } });
+    Shot::default().take(&asset).assert_lit("the default", within([0.0, 0.0], [1.0, 1.0]));
+    let warnings = Shot::default().scene(&asset).warnings;
+    assert!(warnings.iter().any(|w| w.contains("variants") && w.contains("dark")), "{warnings:?}");
+}
