@@ -6,8 +6,8 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use raggio_render::{
-    Answer, DeviceError, DeviceScene, Display, Feature, Film, FilmPixel, Image, Pixels, Probe, Question, Renderer,
-    Session,
+    Answer, Blocks, DeviceError, DeviceScene, Display, Feature, Film, FilmPixel, Image, Pixels, Probe, Question,
+    Renderer, Session,
 };
 
 const WIDTH: u32 = 100;
@@ -49,6 +49,10 @@ impl Session for Clock {
     }
 
     fn restart(&mut self, _: &DeviceScene) -> Result<(), DeviceError> {
+        Ok(())
+    }
+
+    fn rest(&mut self, _: Option<&Blocks>) -> Result<(), DeviceError> {
         Ok(())
     }
 
