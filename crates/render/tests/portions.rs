@@ -6,8 +6,8 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use raggio_render::{
-    Answer, DeviceError, DeviceScene, Display, Feature, Film, FilmPixel, Image, Pixels, Probe, Question, Renderer,
-    Session,
+    Answer, Blocks, DeviceError, DeviceScene, Display, Feature, Film, FilmPixel, Image, Pixels, Probe, Question,
+    Renderer, Session,
 };
 
 const WIDTH: u32 = 100;
@@ -45,6 +45,10 @@ impl Session for Clock {
             log.samples[row as usize].push(samples.clone());
         }
         std::thread::sleep(Duration::from_secs_f64(portion * self.seconds_per_sample));
+        Ok(())
+    }
+
+    fn rest(&mut self, _: Option<&Blocks>) -> Result<(), DeviceError> {
         Ok(())
     }
 
