@@ -3,6 +3,7 @@
 use raggio_kernels::cpu::{Buffers, InstructionSet, dispatch};
 use raggio_kernels::{Comparison, EntryPoint, FilmPixel, ToneMapper, View, Work};
 
+use crate::device::Pixels;
 use crate::film::Film;
 use crate::linear_image::Image;
 
@@ -72,6 +73,11 @@ pub(crate) fn display_rows(
     let rows = (film.len() / width as usize) as u32;
     let work = display.apply(Work { width, height: rows, rows, ..Work::default() }, !reference.is_empty());
     dispatch(set, EntryPoint::Display, None, &work, Buffers { film, output, input: reference, ..Buffers::default() });
+}
+
+/// A picture as displayable pixels; its view is [`View::Radiance`].
+pub fn show_image(image: &Image, display: Display) -> Pixels {
+    Pixels::Host(displayed(&Film::from_image(image), Display { view: View::Radiance, ..display }))
 }
 
 /// The display kernel over a whole film, some rows at a time to keep the copies small.

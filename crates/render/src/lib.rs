@@ -35,7 +35,7 @@ pub use choice::{DeviceChoice, OpenOptions, devices, open};
 pub use cpu::{CpuDevice, CpuOptions};
 pub use device::{Answer, Device, DeviceError, DeviceInfo, Pixels, Question, Session};
 pub use device_scene::{DeviceScene, TranslationError};
-pub use display::Display;
+pub use display::{Display, show_image};
 pub use film::{Film, SizeMismatch, film_bytes};
 pub use image_file::{Extras, ImageFile, OutputError, check_writable, write_png, write_whole};
 pub use image_input::InputError;

@@ -48,6 +48,10 @@ impl Session for Clock {
         Ok(())
     }
 
+    fn rest(&mut self, _: Option<&Blocks>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+
     fn restart(&mut self, _: &DeviceScene) -> Result<(), DeviceError> {
         Ok(())
     }

@@ -39,6 +39,8 @@ pub enum Command {
     Exposure(f32),
     /// The curve from radiance to the display.
     Tones(ToneMapper),
+    /// Shows the picture without its noise, or as it is.
+    Denoise(bool),
     /// How the reference is compared with.
     Compare(Comparison),
     /// Compares with the picture in this file, or with none.

@@ -1,5 +1,6 @@
 use std::path::PathBuf;
 
+use raggio_denoise::DenoiseError;
 use raggio_render::{DeviceError, InputError, OutputError, TooLarge, TranslationError};
 use raggio_scene::SceneError;
 use raggio_vulkan::VulkanError;
@@ -33,6 +34,9 @@ pub enum ViewError {
     /// The scene cannot be changed like that.
     #[error(transparent)]
     Edit(#[from] EditError),
+    /// There is no picture without noise.
+    #[error(transparent)]
+    Denoise(#[from] DenoiseError),
     /// A script is wrong.
     #[error("{file}:{line}: {message}")]
     Script {

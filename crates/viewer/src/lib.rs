@@ -6,6 +6,7 @@
 
 mod clock;
 mod command;
+mod denoising;
 pub mod document;
 mod error;
 mod export;

@@ -40,6 +40,7 @@ pub struct Tracer {
     /// Of the film that the device has the reference for.
     reference_size: [u32; 2],
     rays: Rays,
+    generation: u32,
 }
 
 /// Rays per sample, from one row of the film a frame: reading all of it would take longer than tracing it.
@@ -89,6 +90,7 @@ impl Tracer {
             reference: None,
             reference_size: [0, 0],
             rays: Rays::default(),
+            generation: 1,
         };
         Ok(tracer)
     }
@@ -167,6 +169,7 @@ impl Tracer {
     fn begin(&mut self) -> Result<(), ViewError> {
         self.begun = true;
         self.fresh = false;
+        self.generation = self.generation.wrapping_add(1);
         self.rays = Rays::default();
         // The device keeps it as long as the size stays.
         if self.reference.is_some() && self.reference_size != self.film_size() {
@@ -313,6 +316,11 @@ impl Tracer {
     /// A pixel of the film that is shown.
     pub fn pixel(&mut self, [x, y]: [u32; 2]) -> Result<FilmPixel, ViewError> {
         Ok(self.renderer.session().pixel(x, y)?)
+    }
+
+    /// Another number for each new film.
+    pub fn generation(&self) -> u32 {
+        self.generation
     }
 
     /// How far it has come.

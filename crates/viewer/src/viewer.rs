@@ -13,6 +13,7 @@ use raggio_scene::{Camera, Scene, Vec3};
 
 use crate::clock::Clock;
 use crate::command::{Command, Navigate};
+use crate::denoising::Denoising;
 use crate::document::Document;
 use crate::error::ViewError;
 use crate::export::Export;
@@ -43,6 +44,8 @@ pub struct Viewer {
     pub(crate) outline: Option<(Vec3, Vec3)>,
     pub(crate) reading: Option<Reading>,
     pub(crate) export: Option<Export>,
+    /// If the picture is shown without its noise.
+    pub(crate) denoising: Option<Denoising>,
     pub(crate) fields: Fields,
     pub(crate) outgoing: Outgoing,
     pub(crate) reference: Option<PathBuf>,
@@ -120,6 +123,7 @@ impl Viewer {
             outline: None,
             reading: None,
             export: None,
+            denoising: None,
             fields: Fields::new(&document),
             outgoing: Outgoing::default(),
             reference: None,
@@ -176,7 +180,8 @@ impl Viewer {
         let tracing = !self.tracer.is_whole() || !self.settings.paused && !self.tracer.finished();
         let watching = self.watch.as_ref().is_some_and(Watch::is_waiting)
             || self.kernels.as_ref().is_some_and(KernelWatch::is_waiting);
-        tracing || watching || self.export.is_some() || self.pilot.is_moving()
+        let denoising = self.denoising.as_ref().is_some_and(|denoising| denoising.is_busy(&self.tracer));
+        tracing || watching || denoising || self.export.is_some() || self.pilot.is_moving()
     }
 
     /// Does what panels, keys and scripts have asked for. What cannot be done is said; a device that was lost is an error,
@@ -228,6 +233,10 @@ impl Viewer {
             Command::Exposure(exposure) => return self.show(Look { exposure, ..self.settings.look }),
             Command::Tones(tone_mapper) => return self.show(Look { tone_mapper, ..self.settings.look }),
             Command::Compare(comparison) => return self.show(Look { comparison, ..self.settings.look }),
+            Command::Denoise(on) => {
+                self.denoising = if on { Some(Denoising::begin(self.wake.clone())?) } else { None };
+                self.tracer.show_again();
+            }
             Command::Reference(path) => return self.compare_with(path),
             Command::Pause => self.settings.paused = !self.settings.paused,
             Command::Restart => return self.tracer.restart(),

@@ -5,6 +5,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod denoise;
 mod desk;
 #[cfg(all(unix, not(target_os = "macos")))]
 mod hands;

@@ -29,6 +29,13 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Ve
         row(ui, "tones", |ui| {
             ui.add_enabled_ui(tone_mapped, |ui| choose(ui, "tones", &mut look.tone_mapper, TONE_MAPPERS));
         });
+        row(ui, "noise", |ui| {
+            let mut denoised = viewer.denoising.is_some();
+            let box_ = ui.add_enabled(tone_mapped, egui::Checkbox::new(&mut denoised, "denoised"));
+            if box_.on_hover_text("Intel Open Image Denoise; files keep their noise").changed() {
+                commands.push(Command::Denoise(denoised));
+            }
+        });
         row(ui, "samples", |ui| samples(ui, viewer, commands));
         row(ui, "depth", |ui| depth(ui, viewer, commands));
         row(ui, "size", |ui| {

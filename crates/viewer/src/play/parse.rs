@@ -51,6 +51,7 @@ pub const WORDS: &[(&str, &str)] = &[
     ("view", "radiance | hit | albedo | normal | depth | bounces | samples | variance"),
     ("exposure", "STOPS"),
     ("tones", "neutral | agx | aces | filmic | reinhard | none"),
+    ("denoise", "on | off"),
     ("reference", "FILE | none"),
     ("compare", "off | split | reference | difference"),
     ("scene-size", "on | off"),
@@ -184,6 +185,8 @@ fn parameters(word: &str, words: &[&str]) -> Option<Step> {
         }
         ("view", [name]) => Command::View(view_named(name)?),
         ("tones", [name]) => Command::Tones(tones_named(name)?),
+        ("denoise", ["on"]) => Command::Denoise(true),
+        ("denoise", ["off"]) => Command::Denoise(false),
         ("compare", [name]) => Command::Compare(comparison_named(name)?),
         ("scene-size", ["on"]) => Command::SceneSize(true),
         ("scene-size", ["off"]) => Command::SceneSize(false),
@@ -277,7 +280,7 @@ mod tests {
             drag Shift+middle 1,2 3,4 over 1 s\nwheel -1.5\norbit 90 over 9 frames\nhome\n\
             camera position=[0, 1, 4] look_at=[0,1,0] vertical_fov_degrees=40\npreset blender\nset a.b [1, 0, 0]\nselect 2\ndelete\nduplicate\n\
             add sphere 0,1,2 0.5\nundo\nredo\nsave a b.toml\nreload\nopen x.toml\nview normal\nexposure -1\n\
-            tones agx\nreference none\ncompare split\nscene-size on\npause\nrestart\nstop-at 5\nsamples-per-frame auto\npanels\nhelp\nexport a.exr 64x48 9\n\
+            tones agx\ndenoise on\nreference none\ncompare split\nscene-size on\npause\nrestart\nstop-at 5\nsamples-per-frame auto\npanels\nhelp\nexport a.exr 64x48 9\n\
             screenshot a.png\nsize 64x48\nscale 2\nminimise\nrestore\nsection moving\nlose-device\nquit";
         let words: Vec<_> = examples.lines().map(|line| split(line.trim()).0).collect();
         assert_eq!(words, WORDS.iter().map(|(word, _)| *word).collect::<Vec<_>>());

@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use raggio_render::{ImageFile, Pixels};
+use raggio_render::{Comparison, ImageFile, Pixels, View};
 
 use super::{Reading, Viewer};
 use crate::clock::Pace;
 use crate::command::ExportRequest;
+use crate::denoising::Denoised;
 use crate::error::ViewError;
 use crate::export::Export;
 use crate::look::Look;
@@ -54,7 +55,24 @@ impl Viewer {
 
     /// The picture, if it has changed.
     pub(crate) fn picture(&mut self) -> Result<Option<(Pixels, [u32; 2])>, ViewError> {
-        self.tracer.display(self.settings.look)
+        match self.denoised()? {
+            Some(Denoised::Changed(pixels, size)) => Ok(Some((pixels, size))),
+            Some(Denoised::Unchanged) => Ok(None),
+            None => self.tracer.display(self.settings.look),
+        }
+    }
+
+    /// The picture without its noise, if it is wanted and there is one. Comparisons are with what has been computed.
+    fn denoised(&mut self) -> Result<Option<Denoised>, ViewError> {
+        let Some(denoising) = &mut self.denoising else { return Ok(None) };
+        if let Err(error) = denoising.follow(&mut self.tracer) {
+            self.denoising = None;
+            self.tracer.show_again();
+            return Err(error);
+        }
+        let look = self.settings.look;
+        let shown = look.view == View::Radiance && (self.reference.is_none() || look.comparison == Comparison::Off);
+        Ok(shown.then(|| denoising.picture(look.of_files())).flatten())
     }
 
     /// Reads what is under a point of the picture (0 to 1 from the top left), and a row of the film for the statistics; as
