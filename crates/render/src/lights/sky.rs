@@ -49,7 +49,7 @@ fn filtered(texture: &Texture, texels: &[u32], intensity: f32) -> Vec<f32> {
     let (width, height) = (texture.width as usize, texture.height as usize);
     let plain: Vec<f32> = (0..width * height)
         .into_par_iter()
-        .map(|i| (intensity * luminance(texel(texture, texels, i))).min(1e30))
+        .map(|i| (intensity * luminance(texel(texture, texels, i))).min(1e25))
         .collect();
     let blend = |before: f32, here: f32, after: f32| 0.125 * before + 0.75 * here + 0.125 * after;
     let across = |row: usize, x: usize| {
