@@ -56,10 +56,6 @@ impl Session for Clock {
         Ok(())
     }
 
-    fn rest(&mut self, _: Option<&Blocks>) -> Result<(), DeviceError> {
-        Ok(())
-    }
-
     fn set_reference(&mut self, _: Option<&Image>) -> Result<(), DeviceError> {
         Ok(())
     }
