@@ -1,7 +1,7 @@
 //! Sampling until the error is small enough: no bias, and less work than sampling everything alike.
 
 use raggio_render::{CpuDevice, CpuOptions, Device, DeviceScene, Film, Renderer};
-use raggio_scene::Scene;
+use raggio_scene::{Integrator, Scene};
 use raggio_tests::devices::{cpu, vulkan};
 use raggio_tests::render;
 use raggio_tests::statistics::sidak;
@@ -11,8 +11,9 @@ const SIDE: u32 = 64;
 const CORNELL: &str = include_str!("../../scenes/reference/cornell.toml");
 const LAMP: &str = include_str!("../../scenes/reference/lamp.toml");
 
-fn scene(text: &str, seed: u32) -> Scene {
+fn scene(text: &str, integrator: Integrator, seed: u32) -> Scene {
     let mut scene = Scene::parse(text, "scene.toml").expect("the scene is valid");
+    scene.render.integrator = integrator;
     (scene.render.width, scene.render.height, scene.render.seed) = (SIDE, SIDE, seed);
     scene
 }
@@ -57,8 +58,10 @@ fn summary(runs: &[Vec<f64>]) -> Vec<(f64, f64)> {
 #[test]
 fn choosing_where_to_sample_leaves_no_bias() {
     const RUNS: u32 = 24;
-    let found: Vec<_> = (0..RUNS).map(|seed| blocks(&adaptive(cpu(), &scene(LAMP, seed), 1.0, None))).collect();
-    let expected: Vec<_> = (0..8).map(|seed| blocks(&render(cpu(), &scene(LAMP, 1000 + seed), 1024))).collect();
+    let found: Vec<_> =
+        (0..RUNS).map(|seed| blocks(&adaptive(cpu(), &scene(LAMP, Integrator::Reference, seed), 1.0, None))).collect();
+    let expected: Vec<_> =
+        (0..8).map(|seed| blocks(&render(cpu(), &scene(LAMP, Integrator::Reference, 1000 + seed), 1024))).collect();
     let (found, expected) = (summary(&found), summary(&expected));
     let normal = Normal::standard();
     let significance = sidak(1e-3, found.len());
@@ -86,11 +89,13 @@ fn relative_errors(film: &Film, exact: &Film) -> Vec<f64> {
 /// a lamp that little of the picture sees, a larger error on average too.
 #[test]
 fn samples_go_where_the_error_is() {
-    for (name, text, noise, exact) in [("lamp", LAMP, 1.0, 16_384), ("cornell", CORNELL, 0.6, 4096)] {
-        let exact = render(cpu(), &scene(text, 99), exact);
+    let lamp = ("lamp", LAMP, Integrator::Reference, 1.0, 16_384);
+    let cornell = ("cornell", CORNELL, Integrator::Path, 0.15, 2048);
+    for (name, text, integrator, noise, exact) in [lamp, cornell] {
+        let exact = render(cpu(), &scene(text, integrator, 99), exact);
         let mut sums = [vec![0.0; blocks(&exact).len()], vec![0.0; blocks(&exact).len()]];
         for seed in 0..4 {
-            let scene = scene(text, seed);
+            let scene = scene(text, integrator, seed);
             let film = adaptive(cpu(), &scene, noise, None);
             let samples = film.samples().div_ceil(u64::from(SIDE * SIDE)) as u32;
             for (sum, film) in sums.iter_mut().zip([film, render(cpu(), &scene, samples)]) {
@@ -113,15 +118,15 @@ fn samples_go_where_the_error_is() {
 /// Decisions fall at fixed numbers of samples, so threads and passes leave no trace.
 #[test]
 fn adaptive_pictures_are_reproducible() {
-    let scene = scene(CORNELL, 3);
+    let scene = scene(CORNELL, Integrator::Path, 3);
     let options = CpuOptions { threads: 1, tile_rows: 7, ..CpuOptions::default() };
     let other = CpuDevice::new(options).expect("the CPU is there");
-    let film = adaptive(cpu(), &scene, 0.6, None);
+    let film = adaptive(cpu(), &scene, 0.15, None);
     let (fewest, most) = film.sample_range();
     assert!(fewest >= 64 && most > fewest, "{fewest} to {most} samples");
-    assert!(film == adaptive(&other, &scene, 0.6, Some(13)), "passes of 13 samples make another picture");
+    assert!(film == adaptive(&other, &scene, 0.15, Some(13)), "passes of 13 samples make another picture");
     let Some(vulkan) = vulkan() else { return };
-    let lamp = adaptive(vulkan, &scene, 0.6, None);
+    let lamp = adaptive(vulkan, &scene, 0.15, None);
     let mean = |film: &Film| blocks(film).iter().sum::<f64>();
     assert!((mean(&lamp) / mean(&film) - 1.0).abs() < 1e-2, "Vulkan's picture is another");
     assert!(lamp.sample_range().0 >= 64 && lamp.sample_range().1 > lamp.sample_range().0);

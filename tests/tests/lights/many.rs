@@ -108,7 +108,7 @@ fn a_sun_in_the_sky() {
         }
     }
     for_each_device(|device| {
-        let found = estimate(device.device, &scene, device.pick(256, 64));
+        let found = estimate(device.device, &scene, device.pick(256, 128));
         println!("{}: error {:.2e}", device.label, found.error.x / found.mean.x);
         let expected = DVec3::splat(0.5 / std::f64::consts::PI * irradiance);
         found.assert_near(&format!("{}: a sun in the sky", device.label), expected, 0.01);
