@@ -70,6 +70,7 @@ pub(crate) struct RenderFile {
     /// What a pixel's value is the mean of.
     pub filter: FilterFile,
     /// The largest channel of a sample that counts: what exceeds it is taken off, which loses light and fireflies. Absent: nothing is.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub clamp: Option<Positive>,
     /// Whether rays start slightly off the surface they leave. Without it surfaces shadow themselves in rings; only for teaching.
     pub surface_offset: bool,

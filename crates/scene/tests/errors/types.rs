@@ -98,7 +98,7 @@ vertical_fov_degrees = 40
 [render]
 filter = 1
 ",
-        r#"scene.toml:7:10: `filter` in [render] must be `"box"` or `"point"`, not `1`"#,
+        r#"scene.toml:7:10: `filter` in [render] must be `"box"`, `"blackman-harris"`, `"mitchell"` or `"point"`, not `1`"#,
     ),
     (
         "string for a point",
