@@ -21,7 +21,7 @@ ROUGHNESS = np.linspace(np.sqrt(1e-3), 1, WIDTHS)
 CONTRAST = np.geomspace(0.003 / 2.003, 0.5, INDICES)
 FACETS = 128 ** 2
 # Part of the light, and nothing of the shift in the second place.
-NOT_SEEN = np.array([5e-4, 0, 5e-4, 5e-4])
+NOT_SEEN = np.array([1e-4, 0, 1e-4, 1e-4])
 
 
 def index(contrast):
@@ -113,6 +113,7 @@ def charlie(mu, roughness, n=200):
 
 
 LOSSES = [0, 2, 3]
+UPWARD = np.array([1, -1, 1, 1])
 
 
 def roots(table):
@@ -200,7 +201,8 @@ def mean(column, roughness, contrast, inside):
 
 
 def means(table, inside):
-    """Of all columns, the losses raised little by little where they would be less than those between the columns."""
+    """Of all columns, the losses raised little by little where they would be less than those between the columns, and what
+    stands in the second place lowered where it would be more."""
     columns = roots(table)
     rows = np.array([[mean(columns[q, g], r, c, inside) for g, r in enumerate(ROUGHNESS)] for q, c in enumerate(CONTRAST)])
     weights = lambda at: [(slice(i, INDICES - 1 + i), slice(j, WIDTHS - 1 + j), abs(1 - i - at[0]) * abs(1 - j - at[1]))
@@ -217,11 +219,10 @@ def means(table, inside):
     for _ in range(40):
         up = np.zeros_like(rows)
         for where, true in zip(places, truth):
-            lacking = 0.2 * np.maximum(0, roots(true) - at(roots(rows), where))
+            lacking = 0.2 * np.maximum(0, UPWARD * (roots(true) - at(roots(rows), where)))
             for q, g, w in weights(where):
                 up[q, g] = np.maximum(up[q, g], lacking * (w > 0))
-        up[..., 1] = 0
-        rows = powers(roots(rows) + up)
+        rows = powers(roots(rows) + UPWARD * up)
     return rows
 
 
@@ -246,7 +247,7 @@ def main():
     for inside in (False, True):
         table = np.clip(lowered(nodes_of(inside), inside), [0, -1, 0, 0], 1)
         cells = packed(roots(table), np.array([0, -1, 0, 0]), np.array([1, 2, 1, 1]))
-        mean = packed(roots(means(table, inside)), 0, 1, np.ceil)
+        mean = packed(roots(means(table, inside)), 0, 1, lambda x: UPWARD * np.ceil(UPWARD * x))
         blocks.append(np.concatenate([cells, mean[:, :, None]], axis=2))
     blocks.append(packed(np.pad(sheen()[:, :, None], ((0, 0), (0, 0), (0, 3))), 0, 4, np.ceil))
     OUTPUT.write_bytes(b"".join(block.tobytes() for block in blocks))

@@ -244,7 +244,7 @@ fn compensated_mirrors_pass_the_furnace() {
                 (least, most) = (least.min(energy), most.max(energy));
                 let what = format!("{}: roughness {roughness}, cosine {cosine}", device.label);
                 // Samples are only so many.
-                assert!((0.98..=1.0001).contains(&energy), "{what}: returns {energy}");
+                assert!((0.98..=1.0005).contains(&energy), "{what}: returns {energy}");
             }
         }
         println!("{}: a white rough mirror returns {least:.4} to {most:.4}", device.label);

@@ -5,8 +5,8 @@ use raggio_tests::{TestDevice, for_each_device};
 
 use super::{Closure, WHITE, closures, incident};
 
-const ROUGHNESSES: [f32; 14] = [0.0, 0.032, 0.05, 0.08, 0.12, 0.15, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 0.9, 1.0];
-const COSINES: [f32; 11] = [1.0, 0.9, 0.75, 0.6, 0.4, 0.25, 0.15, 0.08, 0.04, 0.02, 0.005];
+const ROUGHNESSES: [f32; 11] = [0.0, 0.032, 0.06, 0.1, 0.15, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0];
+const COSINES: [f32; 8] = [1.0, 0.8, 0.55, 0.3, 0.12, 0.05, 0.02, 0.005];
 
 /// White materials of every kind, but for their roughness.
 fn white() -> Vec<(String, Closure)> {
@@ -74,7 +74,7 @@ fn white_materials_return_all_light() {
         for (i, (what, closure)) in white().into_iter().enumerate() {
             for roughness in ROUGHNESSES.into_iter().skip(device.pick(0, i % 5)).step_by(device.pick(1, 5)) {
                 let directions = directions(&device);
-                let energies = Closure { roughness, ..closure }.energies(&device, &directions, device.pick(2048, 512));
+                let energies = Closure { roughness, ..closure }.energies(&device, &directions, device.pick(8192, 512));
                 for (wo, (energy, error)) in directions.iter().zip(energies) {
                     let case = format!("{}: {what}, roughness {roughness}, cosine {}", device.label, wo.z);
                     range = (range.0.min(energy.x), range.1.max(energy.x));
