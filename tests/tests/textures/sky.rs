@@ -9,18 +9,16 @@ use raggio_scene::{Bitmap, Environment, Scene, Texels, Texture, Wrap};
 use raggio_tests::render::means;
 use raggio_tests::{Pcg, TestDevice, for_each_device, render};
 
-use crate::{anywhere, bilinear, bright, distance, mean, middles, texel, varied};
+use crate::{anywhere, bilinear, bright, distance, texel, varied};
 
 fn under(image: &Arc<Bitmap>, rotation_degrees: f32, intensity: f32) -> Scene {
     let environment = Environment::Image { image: image.clone(), rotation_degrees, intensity };
     Scene { environment, ..anywhere() }
 }
 
-/// Radiance, and latitude-longitude coordinates, for directions and random numbers.
-fn look(device: &TestDevice, scene: &Scene, rays: impl IntoIterator<Item = (DVec3, f32)>) -> Vec<([f32; 4], [f32; 2])> {
-    let question = |(direction, random): (DVec3, f32)| -> Question {
-        [direction.as_vec3().extend(random).to_array(), [0.0; 4], [0.0; 4]]
-    };
+/// Radiance, and latitude-longitude coordinates, for directions.
+fn look(device: &TestDevice, scene: &Scene, rays: impl IntoIterator<Item = DVec3>) -> Vec<([f32; 4], [f32; 2])> {
+    let question = |ray: DVec3| -> Question { [ray.as_vec3().extend(0.0).to_array(), [0.0; 4], [0.0; 4]] };
     let questions: Vec<_> = rays.into_iter().map(question).collect();
     let scene = DeviceScene::new(scene).expect("the scene fits devices");
     device.ask_in(&scene, Probe::Sky, &questions).into_iter().map(|[a, [u, v, ..], _]| (a, [u, v])).collect()
@@ -48,17 +46,19 @@ fn the_axes_see_what_they_should() {
     let row = |texels: [f32; 4]| texels.map(|v| [v; 3]);
     let texels = [row([1.0, 2.0, 3.0, 4.0]), row([5.0, 6.0, 7.0, 8.0]), row([9.0, 10.0, 11.0, 12.0])].concat();
     let image = Arc::new(Bitmap { width: 4, height: 3, texels: Texels::Rgb32F(texels) });
-    // In the image's middle row, halfway between two columns: even numbers choose both alike.
+    // In the image's middle row, halfway between two columns.
     let axes = [(-DVec3::Z, 6.5), (DVec3::X, 7.5), (-DVec3::X, 5.5), (DVec3::Z, 6.5)];
     // Turned by a quarter, -Z sees what +X has seen.
     let turned = [(-DVec3::Z, 7.5), (DVec3::X, 6.5), (-DVec3::X, 6.5), (DVec3::Z, 5.5)];
     for_each_device(|device| {
         for (degrees, axes) in [(0.0, axes), (90.0, turned)] {
             for (axis, expected) in axes {
-                let rays = [0.25, 0.75].map(|random| (axis, random));
-                let found = look(&device, &under(&image, degrees, 1.0), rays);
-                let found = 0.5 * (found[0].0[0] + found[1].0[0]);
-                assert_eq!(found, expected, "{} along {axis} with {degrees} degrees", device.label);
+                let found = look(&device, &under(&image, degrees, 1.0), [axis])[0].0[0];
+                assert!(
+                    (found - expected).abs() < 1e-5,
+                    "{} along {axis} with {degrees} degrees: {found}",
+                    device.label
+                );
             }
         }
     });
@@ -72,39 +72,39 @@ fn texels_are_where_they_should_be() {
     let centers: Vec<_> = (0..54).map(|i| [f64::from(i % 9) + 0.5, f64::from(i / 9) + 0.5]).collect();
     for_each_device(|device| {
         for (degrees, intensity) in [(0.0, 1.0), (90.0, 0.5), (-90.0, 1.0), (37.5, 3.0), (180.0, 1.0), (-1234.5, 1.0)] {
-            let ray = |[x, y]: &[f64; 2]| (turned(direction([x / 9.0, y / 6.0]), degrees), 0.5);
+            let ray = |[x, y]: &[f64; 2]| turned(direction([x / 9.0, y / 6.0]), degrees);
             let found = look(&device, &under(&image, degrees, intensity), centers.iter().map(ray));
             for ([x, y], (found, _)) in centers.iter().zip(found) {
                 let [r, g, b, _] = texel(&texture, *x as i64, *y as i64).map(|v| v * f64::from(intensity));
                 let what = format!("{} ({x}, {y}) with {degrees} degrees", device.label);
-                assert!(distance([r, g, b, 0.0], found.map(f64::from)) < 1e-6, "{what}: found {found:?}");
+                // Directions in single precision are off by some 1e-7 of a turn, of 9 texels and values up to 4.
+                assert!(distance([r, g, b, 0.0], found.map(f64::from)) < 2e-5, "{what}: found {found:?}");
             }
         }
     });
 }
 
-/// Any direction, near the poles and across the seam behind the viewer too: the mean over evenly spaced numbers.
+/// Any direction, near the poles and across the seam behind the viewer too.
 #[test]
 fn directions_see_the_blend() {
-    const NUMBERS: u32 = 512;
     let image = bright(12, 6);
     let texture = as_texture(&image);
     let random = &mut Pcg::new(5);
-    let mut directions: Vec<_> = (0..300).map(|_| random.direction()).collect();
+    let mut directions: Vec<_> = (0..10_000).map(|_| random.direction()).collect();
     directions.extend([DVec3::Z, DVec3::new(1e-6, 0.1, 1.0), DVec3::new(-1e-6, 0.1, 1.0)].map(DVec3::normalize));
     directions.extend([DVec3::new(1e-6, 1.0, -1e-6), DVec3::new(1e-20, -1.0, 0.0)]);
     for_each_device(|device| {
         for degrees in [0.0, 200.0] {
-            let rays = directions.iter().flat_map(|d| middles(NUMBERS).map(|random| (turned(*d, degrees), random)));
-            let found: Vec<_> = look(&device, &under(&image, degrees, 1.0), rays).into_iter().map(|f| f.0).collect();
-            for (d, found) in directions.iter().zip(found.chunks_exact(NUMBERS as usize)) {
+            let rays = directions.iter().map(|d| turned(*d, degrees));
+            let found = look(&device, &under(&image, degrees, 1.0), rays);
+            for (d, (found, _)) in directions.iter().zip(found) {
                 let u = 0.5 + d.x.atan2(-d.z) / TAU;
                 let v = d.y.clamp(-1.0, 1.0).acos() / PI;
                 let [r, g, b, _] = bilinear(&texture, [12.0 * u, 6.0 * v]);
-                let [x, y, z, _] = mean(found);
-                let error = distance([r, g, b, 0.0], [x, y, z, 0.0]);
-                // Three borders off by one of the numbers, of values up to 4.
-                assert!(error < 4.0 * 3.0 / 512.0, "{} along {d}: found {:?}", device.label, [x, y, z]);
+                let error = distance([r, g, b, 0.0], found.map(f64::from));
+                // Close to the poles rounding turns directions about them.
+                let bound = 1e-5 + 1e-6 / d.x.hypot(d.z).max(1e-7);
+                assert!(error < bound, "{} along {d}: found {found:?}, off by {error}", device.label);
             }
         }
     });
@@ -122,7 +122,7 @@ fn poles_are_exact() {
     let directions: Vec<_> = (0..2000).map(|i| near(if i % 2 == 0 { 1.0 } else { -1.0 })).collect();
     let scene = under(&varied(4, 2), 0.0, 1.0);
     for_each_device(|device| {
-        for (d, (_, [_, v])) in directions.iter().zip(look(&device, &scene, directions.iter().map(|d| (*d, 0.5)))) {
+        for (d, (_, [_, v])) in directions.iter().zip(look(&device, &scene, directions.iter().copied())) {
             let d = d.as_vec3().as_dvec3();
             let from_pole = d.x.hypot(d.z).atan2(d.y.abs()) / PI;
             if d.y > 0.0 {
@@ -131,7 +131,7 @@ fn poles_are_exact() {
                 assert!((1.0 - f64::from(v) - from_pole).abs() < 1.2e-7, "{} along {d}: {v}", device.label);
             }
         }
-        let poles = look(&device, &scene, [(DVec3::Y, 0.5), (DVec3::NEG_Y, 0.5)]);
+        let poles = look(&device, &scene, [DVec3::Y, DVec3::NEG_Y]);
         assert_eq!(poles.iter().map(|(_, uv)| *uv).collect::<Vec<_>>(), [[0.5, 0.0], [0.5, 1.0]], "{}", device.label);
     });
 }
@@ -156,7 +156,7 @@ fn the_sphere_sees_the_images_integral() {
         let y = 1.0 - 2.0 * cell(i / SIDE, random.unit());
         let (sin, cos) = (TAU * cell(i % SIDE, random.unit())).sin_cos();
         let radius = (1.0 - y * y).sqrt();
-        (DVec3::new(radius * sin, y, radius * cos), random.unit())
+        DVec3::new(radius * sin, y, radius * cos)
     };
     let rays: Vec<_> = (0..SIDE * SIDE).map(&mut ray).collect();
     for_each_device(|device| {

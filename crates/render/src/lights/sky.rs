@@ -28,7 +28,10 @@ impl Density {
                 2.0 * PI / width as f64 * (edge(y) - edge(y + 1))
             })
             .collect();
-        let mut cells = filtered(texture, texels, intensity);
+        let mut cells: Vec<f32> = (0..width * height)
+            .into_par_iter()
+            .map(|i| (intensity * luminance(texel(texture, texels, i))).min(1e25))
+            .collect();
         let rows = || cells.chunks(width).zip(&solid_angles);
         let sum: f64 = rows().map(|(row, angle)| angle * row.iter().map(|&l| f64::from(l)).sum::<f64>()).sum();
         let mean = sum / (4.0 * PI);
@@ -42,25 +45,6 @@ impl Density {
         }
         Self { sums: Arc::new(pyramid(cells, width, height)), power: (0.5 * total) as f32 }
     }
-}
-
-/// The mean luminance over each texel's square, as the bilinear blend has it: there the texel weighs 9/16.
-fn filtered(texture: &Texture, texels: &[u32], intensity: f32) -> Vec<f32> {
-    let (width, height) = (texture.width as usize, texture.height as usize);
-    let plain: Vec<f32> = (0..width * height)
-        .into_par_iter()
-        .map(|i| (intensity * luminance(texel(texture, texels, i))).min(1e25))
-        .collect();
-    let blend = |before: f32, here: f32, after: f32| 0.125 * before + 0.75 * here + 0.125 * after;
-    let across = |row: usize, x: usize| {
-        let at = |x: usize| plain[row * width + x % width];
-        blend(at(x + width - 1), at(x), at(x + 1))
-    };
-    let cell = |i: usize| {
-        let (x, y) = (i % width, i / width);
-        blend(across(y.saturating_sub(1), x), across(y, x), across((y + 1).min(height - 1), x))
-    };
-    (0..width * height).into_par_iter().map(cell).collect()
 }
 
 fn pyramid(mut cells: Vec<f32>, mut width: usize, mut height: usize) -> Vec<[f32; 4]> {
