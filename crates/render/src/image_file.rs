@@ -176,7 +176,7 @@ fn encode_png([width, height]: [u32; 2], pixels: &[u8], to: &mut impl Write) -> 
         .map_err(io::Error::other)
 }
 
-fn write_exr(film: &Film, extras: &Extras, to: &mut (impl Write + io::Seek)) -> io::Result<()> {
+fn write_exr(film: &Film, extras: &Extras, to: &mut io::Cursor<Vec<u8>>) -> io::Result<()> {
     let mean = film.mean();
     let (width, height) = (mean.width as usize, mean.height as usize);
     let color = |i: usize| FlatSamples::F32(mean.pixels.iter().map(|pixel| pixel[i]).collect());
@@ -193,5 +193,27 @@ fn write_exr(film: &Film, extras: &Extras, to: &mut (impl Write + io::Seek)) -> 
     image.layer_data.encoding.compression = exr::prelude::Compression::ZIP16;
     // Otherwise blocks are written in the order in which threads compress them, and no two files are the same.
     image.layer_data.encoding.line_order = exr::prelude::LineOrder::Increasing;
-    image.write().to_buffered(to).map_err(io::Error::other)
+    image.write().to_buffered(&mut *to).map_err(io::Error::other)?;
+    sort_attributes(to.get_mut());
+    Ok(())
+}
+
+/// Orders the attributes of an OpenEXR file of one part by their names: the library writes ours in another order each
+/// time. Pixels stay where they are.
+fn sort_attributes(file: &mut [u8]) {
+    // After the magic number and the version; each has a name and a type that end with a zero, a length and a value.
+    const FIRST: usize = 8;
+    let mut end = FIRST;
+    let mut attributes = vec![];
+    while file[end] != 0 {
+        let start = end;
+        for _ in 0..2 {
+            end += file[end..].iter().take_while(|&&byte| byte != 0).count() + 1;
+        }
+        let length = u32::from_le_bytes([file[end], file[end + 1], file[end + 2], file[end + 3]]);
+        end += 4 + length as usize;
+        attributes.push(file[start..end].to_vec());
+    }
+    attributes.sort_unstable();
+    file[FIRST..end].copy_from_slice(&attributes.concat());
 }
