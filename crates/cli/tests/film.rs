@@ -66,7 +66,7 @@ fn layers_say_what_is_seen() {
         other => panic!("{name} is {other:?}"),
     };
     assert_eq!([said("scene"), said("samples"), said("seed")], ["scene.toml", "64", "5"]);
-    assert_eq!([said("integrator"), said("sampler"), said("filter")], ["reference", "sobol", "box"]);
+    assert_eq!([said("integrator"), said("sampler"), said("filter")], ["path", "sobol", "box"]);
     // Rows are images of the axes: the camera, at (0, 1, 4), looks along -Z.
     let camera = attributes.world_to_camera.expect("a camera");
     let expected = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, -1.0, 4.0, 1.0];
