@@ -37,9 +37,13 @@ const PATH_SAMPLES: u32 = 1024;
 /// On the CPU and on Vulkan.
 fn matches_reference(name: &str, integrator: Integrator) {
     let naive = SCENES.iter().find(|s| s.0 == name).expect("a listed scene").1;
-    let (mut scene, reference) = (scene(name), reference(name));
-    scene.render.integrator = integrator;
     let samples = if integrator == Integrator::Path { PATH_SAMPLES } else { naive };
+    looks_like_reference(name, scene(name), integrator, samples);
+}
+
+fn looks_like_reference(name: &str, mut scene: Scene, integrator: Integrator, samples: u32) {
+    let reference = reference(name);
+    scene.render.integrator = integrator;
     for_each_device(|device| {
         let film = render(device.device, &scene, samples);
         let label = format!("{name}-{integrator:?}-{}", device.label).to_lowercase();
@@ -84,7 +88,9 @@ fn weekend() {
 }
 
 mod path {
-    use super::{Integrator, matches_reference};
+    use std::fs;
+
+    use super::{Integrator, PATH_SAMPLES, Scene, looks_like_reference, matches_reference, root};
 
     #[test]
     fn cornell() {
@@ -109,6 +115,21 @@ mod path {
     #[test]
     fn weekend() {
         matches_reference("weekend", Integrator::Path);
+    }
+
+    /// Its model and its sky are others' files, and not in the project.
+    #[test]
+    fn bunny() {
+        let models = ["tests/data/models", "../shared/models"].map(|folder| root().join("..").join(folder));
+        let Some(models) = models.iter().find(|folder| folder.join("bunny.ply").exists()) else {
+            eprintln!("skipped: tests/data/models/ has neither bunny.ply nor spiaggia_di_mondello_1k.hdr");
+            return;
+        };
+        let text = fs::read_to_string(root().join("data/reference/bunny.toml")).expect("the scene is there");
+        // Where its `../models` are those.
+        let scene = Scene::parse(&text, &models.join("../reference/bunny.toml").display().to_string());
+        let scene = scene.unwrap_or_else(|error| panic!("{error}"));
+        looks_like_reference("bunny", scene, Integrator::Path, PATH_SAMPLES);
     }
 }
 
