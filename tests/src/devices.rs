@@ -17,7 +17,7 @@ pub struct TestDevice {
 }
 
 impl TestDevice {
-    /// `fast` on the CPU, `slow` on Vulkan.
+    /// `fast` on the CPU and on a GPU, `slow` on software Vulkan.
     pub fn pick<T>(&self, fast: T, slow: T) -> T {
         if self.slow { slow } else { fast }
     }
@@ -44,7 +44,8 @@ const PROBES_AT_ONCE: usize = 1 << 18;
 pub fn for_each_device(test: impl Fn(TestDevice)) {
     test(TestDevice { label: "cpu", slow: false, device: cpu() });
     let Some(device) = vulkan() else { return };
-    test(TestDevice { label: "vulkan", slow: true, device });
+    let slow = device.vulkan().is_some_and(|context| context.physical().kind.name() == "software");
+    test(TestDevice { label: "vulkan", slow, device });
     let messages = device.validation_messages();
     assert!(messages.is_empty(), "Vulkan's validation layers complain:\n{}", messages.join("\n"));
 }

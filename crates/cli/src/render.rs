@@ -121,7 +121,8 @@ impl Job<'_> {
 
         let interrupted = on_interrupt();
         let (progress, film, fault) = sample(&mut renderer, &mut reporter, &interrupted, self.stop)?;
-        report(&reporter, &film, &progress, settings.samples);
+        let target = if renderer.finished() { progress.samples } else { settings.samples };
+        report(&reporter, &film, &progress, target);
         // One that cannot be written is no reason to lose the others.
         let mut outcome = fault.map_or(Ok(()), Err);
         let mut extras = Extras { channels: vec![], metadata: Some(self.metadata(&scene, &film)) };
@@ -254,7 +255,7 @@ fn on_interrupt() -> Arc<AtomicBool> {
 
 fn report(reporter: &Reporter, film: &Film, progress: &Progress, target: u32) {
     if film.rejected() > 0 {
-        say(format_args!(
+        reporter.say(&format!(
             "warning: {} samples had no finite value, or more than {} dielectrics overlapped there; they were left out",
             film.rejected(),
             raggio_render::MAX_NESTED_MEDIA

@@ -52,7 +52,7 @@ const CALLED: [&str; 21] = [
     "PrincipledBsdf_evaluate",
     "PrincipledBsdf_x24init",
     "PrincipledFresnel_split",
-    "principledClosure",
+    "PrincipledPoint_x24init",
     "attributesAt",
     "shapeAttributes",
     "triangleIsThere",

@@ -185,7 +185,7 @@ impl SceneBuffers {
                 return fail("a texture reaches past the texels");
             }
         }
-        let textures = self.principled.iter().flat_map(principled_textures);
+        let textures = self.principled.iter().flat_map(|material| material.textures);
         if textures.filter(|texture| *texture != NO_TEXTURE).any(|texture| texture as usize >= self.textures.len()) {
             return fail("a material has a texture that is not there");
         }
@@ -301,28 +301,6 @@ impl SceneBuffers {
         }
         Ok(())
     }
-}
-
-fn principled_textures(p: &Principled) -> [u32; 17] {
-    [
-        p.base_color_texture,
-        p.metallic_roughness_texture,
-        p.normal_texture,
-        p.emissive_texture,
-        p.specular_texture,
-        p.specular_color_texture,
-        p.transmission_texture,
-        p.diffuse_transmission_texture,
-        p.diffuse_transmission_color_texture,
-        p.clearcoat_texture,
-        p.clearcoat_roughness_texture,
-        p.clearcoat_normal_texture,
-        p.sheen_color_texture,
-        p.sheen_roughness_texture,
-        p.anisotropy_texture,
-        p.iridescence_texture,
-        p.iridescence_thickness_texture,
-    ]
 }
 
 /// No index: `Mesh.NONE` of the kernels.

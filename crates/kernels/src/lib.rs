@@ -64,7 +64,7 @@ pub const IMAGE_GROUP: u32 = 8;
 pub const PROBE_GROUP: u32 = 64;
 
 /// The kernels there are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EntryPoint {
     /// Adds samples to the film, looking for light.
     Path,

@@ -42,6 +42,6 @@ impl Feature {
 impl Probe {
     /// Whether only the kernels for any scene answer it.
     pub fn is_full(self) -> bool {
-        matches!(self, Self::PrincipledEval | Self::PrincipledSample)
+        matches!(self, Self::PrincipledEval | Self::PrincipledSample | Self::PrincipledEnergy)
     }
 }

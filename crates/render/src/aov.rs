@@ -122,8 +122,8 @@ impl Aov {
 }
 
 impl Features {
-    /// Renders each of `wanted` once, with `samples` samples a pixel, as far as `proceed` lets it: it is asked after each
-    /// portion. The film of radiance stays as it is, and is shown afterwards.
+    /// Renders each of `wanted` once, with `samples` samples a pixel, or at least one if `proceed`, which is asked before
+    /// each portion, no longer lets it. The film of radiance stays as it is, and is shown afterwards.
     pub fn render(
         renderer: &mut Renderer,
         wanted: impl IntoIterator<Item = Feature>,
@@ -138,7 +138,7 @@ impl Features {
             }
             renderer.show(feature)?;
             renderer.set_target(if feature.is_index() { 1 } else { samples });
-            while !renderer.finished() && proceed().is_continue() {
+            while !renderer.finished() && (renderer.progress().samples == 0 || proceed().is_continue()) {
                 renderer.advance()?;
             }
             films.insert(feature as u32, renderer.film()?);

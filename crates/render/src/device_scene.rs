@@ -24,7 +24,7 @@ use crate::device_scene::shapes::Shapes;
 use crate::filters::filter_table;
 use crate::hierarchy::{Bounds, Hierarchy, moved};
 use crate::lights::Lights;
-use crate::media::media_around;
+use crate::media::{Body, media_around};
 use crate::meshes::Meshes;
 use crate::textures::{ColorSpace, TextureTable};
 
@@ -213,8 +213,8 @@ fn camera_media(scene: &Scene, shape_of_place: &[u32]) -> Result<Vec<CameraMediu
     if found > limit {
         return Err(TranslationError::TooManyMedia { found, limit });
     }
-    let place = |shape: &u32| shape_of_place.iter().position(|s| s == shape).unwrap_or_default() as u32;
-    let medium = |shape| CameraMedium { shape: place(shape), material: scene.shapes[*shape as usize].material as u32 };
+    let place = |shape: u32| shape_of_place.iter().position(|s| *s == shape).unwrap_or_default() as u32;
+    let medium = |body: &Body| CameraMedium { shape: place(body.shape), material: body.material as u32 };
     Ok(around.iter().map(medium).collect())
 }
 

@@ -243,11 +243,16 @@ pub(crate) fn pack_unit_vector(v: Vec3) -> u32 {
     if packed == ZERO_VECTOR { 0 } else { packed }
 }
 
-/// A unit vector with a bit less, and the sign of the bitangent in the lowest.
+/// A unit vector with a bit less, and the sign of the bitangent in the lowest; zero stays zero.
 fn pack_tangent(tangent: &[f32; 4]) -> u32 {
     let [x, y, z, sign] = *tangent;
-    let packed = pack_unit_vector(Vec3::new(x, y, z).normalize_or_zero());
-    packed & !1 | u32::from(sign < 0.0)
+    let vector = pack_unit_vector(Vec3::new(x, y, z).normalize_or_zero());
+    if vector == ZERO_VECTOR {
+        return ZERO_VECTOR;
+    }
+    let packed = vector & !1 | u32::from(sign < 0.0);
+    // The opposite corner is the same pole.
+    if packed == ZERO_VECTOR { 1 } else { packed }
 }
 
 /// Four components in 16 bits each, 65535 being 1.
@@ -272,6 +277,15 @@ mod tests {
         let mut buffers = SceneBuffers::default();
         meshes.share(&mut buffers);
         buffers
+    }
+
+    #[test]
+    fn only_no_tangent_is_packed_as_none() {
+        assert_eq!(pack_tangent(&[0.0; 4]), ZERO_VECTOR);
+        assert_eq!(pack_tangent(&[0.0, 0.0, 0.0, -1.0]), ZERO_VECTOR);
+        for x in [1e-5, -1e-5, 0.0] {
+            assert!([1.0, -1.0].iter().all(|sign| pack_tangent(&[x, x, -1.0, *sign]) != ZERO_VECTOR), "{x}");
+        }
     }
 
     #[test]

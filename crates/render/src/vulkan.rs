@@ -1,7 +1,9 @@
 //! A Vulkan device.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::ops::Range;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use raggio_kernels::{
     BufferBytes, EntryPoint, FILM_BINDING, Feature, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, RESTING_BINDING,
@@ -45,8 +47,8 @@ struct Kernels {
 #[derive(Default)]
 struct Compiled {
     module: OnceLock<Arc<Module>>,
-    /// In the order of `EntryPoint::ALL`.
-    pipelines: [OnceLock<Pipeline>; EntryPoint::ALL.len()],
+    /// Of an entry point and, if that is the probe, the probe.
+    pipelines: Mutex<HashMap<(EntryPoint, u32), Arc<Pipeline>>>,
 }
 
 impl VulkanDevice {
@@ -118,13 +120,19 @@ impl Kernels {
         Ok(place.get_or_init(|| module))
     }
 
-    fn pipeline(&self, entry: EntryPoint, variant: Variant) -> Result<&Pipeline, DeviceError> {
-        let place = &self.compiled[variant.index()].pipelines[entry as usize];
-        if let Some(pipeline) = place.get() {
-            return Ok(pipeline);
-        }
-        let pipeline = self.module(variant)?.pipeline(entry.name())?;
-        Ok(place.get_or_init(|| pipeline))
+    fn pipeline(&self, entry: EntryPoint, variant: Variant) -> Result<Arc<Pipeline>, DeviceError> {
+        self.specialized(entry, 0, variant)
+    }
+
+    fn specialized(&self, entry: EntryPoint, constant: u32, variant: Variant) -> Result<Arc<Pipeline>, DeviceError> {
+        let module = self.module(variant)?;
+        // Held while it compiles: whoever needs the same kernel waits for it.
+        let pipelines = &self.compiled[variant.index()].pipelines;
+        let mut pipelines = pipelines.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(match pipelines.entry((entry, constant)) {
+            Entry::Occupied(known) => known.get().clone(),
+            Entry::Vacant(place) => place.insert(Arc::new(module.pipeline(entry.name(), constant)?)).clone(),
+        })
     }
 
     /// A set of what kernels write, and read besides the scene.
@@ -267,7 +275,7 @@ impl Session for VulkanSession {
             let groups = entry.groups(&work);
             let sets = [&band.set, &self.resident.set];
             self.kernels.context.run(|passes| {
-                passes.compute(pipeline, &sets, bytemuck::bytes_of(&work), groups);
+                passes.compute(&pipeline, &sets, bytemuck::bytes_of(&work), groups);
             })?;
         }
         Ok(())
@@ -322,7 +330,7 @@ impl Session for VulkanSession {
                 let (first, rows) = (band.rows.start, band.rows.len() as u32);
                 let work = Work { band_row: first, first_row: first, rows, ..work };
                 let groups = EntryPoint::Display.groups(&work);
-                passes.compute(pipeline, &[set], bytemuck::bytes_of(&work), groups);
+                passes.compute(&pipeline, &[set], bytemuck::bytes_of(&work), groups);
             }
         })?;
         Ok(Pixels::Device(self.output.insert(output).pixels.clone()))
@@ -355,8 +363,8 @@ impl Session for VulkanSession {
         let groups = EntryPoint::Probe.groups(&work);
         let Variant { simple, wide } = self.resident.variant;
         let variant = Variant { simple: simple && !probe.is_full(), wide };
-        let pipeline = self.kernels.pipeline(EntryPoint::Probe, variant)?;
-        context.run(|passes| passes.compute(pipeline, &sets, bytemuck::bytes_of(&work), groups))?;
+        let pipeline = self.kernels.specialized(EntryPoint::Probe, probe as u32, variant)?;
+        context.run(|passes| passes.compute(&pipeline, &sets, bytemuck::bytes_of(&work), groups))?;
         Ok(bytemuck::allocation::pod_collect_to_vec(&output.read()?))
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, EulerRot, Vec3};
 use raggio_images::Bitmap;
-use raggio_models::{Light, Mesh, Principled};
+use raggio_models::{Light, Mesh, Part, Principled};
 
 /// A checked scene: every number is finite, every index is in range.
 ///
@@ -241,6 +241,16 @@ pub struct Shape {
     pub material: usize,
     /// Where and what it is.
     pub geometry: Geometry,
+}
+
+impl Shape {
+    /// The material of a part of its mesh, as an index into [`Scene::materials`].
+    pub fn material_of(&self, part: &Part) -> usize {
+        match (&self.geometry, part.material) {
+            (Geometry::Mesh { first_material: Some(first), .. }, Some(own)) => first + own,
+            _ => self.material,
+        }
+    }
 }
 
 /// What one `[[shapes]]` of the file became.

@@ -98,13 +98,17 @@ impl Module {
         self.sets.get(index as usize).map(|(layout, _)| layout)
     }
 
-    /// The pipeline of the entry point `name`.
-    pub fn pipeline(self: &Arc<Self>, name: &str) -> Result<Pipeline, VulkanError> {
+    /// The pipeline of the entry point `name`, whose specialization constant 0, if it has one, is `constant`.
+    pub fn pipeline(self: &Arc<Self>, name: &str, constant: u32) -> Result<Pipeline, VulkanError> {
         let entry = CString::new(name).unwrap_or_default();
+        let constant = constant.to_ne_bytes();
+        let place = [vk::SpecializationMapEntry::default().size(constant.len())];
+        let constants = vk::SpecializationInfo::default().map_entries(&place).data(&constant);
         let stage = vk::PipelineShaderStageCreateInfo::default()
             .stage(vk::ShaderStageFlags::COMPUTE)
             .module(self.shader)
-            .name(&entry);
+            .name(&entry)
+            .specialization_info(&constants);
         let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(self.layout)];
         // SAFETY: module and layout belong to this device and outlive the pipeline.
         let created = unsafe { self.device.raw.create_compute_pipelines(vk::PipelineCache::null(), &info, None) };

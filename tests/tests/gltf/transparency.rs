@@ -176,6 +176,10 @@ fn dispersion_parts_colors() {
     let (none, some) = (part(0.0), part(4.0));
     assert!(none < 1e-6, "without dispersion glass is colourless: {none}");
     assert!(some > 0.1, "with dispersion, {some} of the light is coloured");
+
+    let furnace = Shot { samples: 8192, depth: 64, ..Shot::furnace() }.take(&glass(4.0));
+    let mean = furnace.0.iter().sum::<DVec3>() / furnace.0.len() as f64;
+    assert!((mean - 1.0).abs().max_element() < 3e-3, "in a furnace all colours are there: {mean}");
 }
 
 /// Variants name other materials: the picture is of the default, and the user is told.

@@ -162,7 +162,7 @@ fn samples_bring_what_values_integrate_to() {
         // Directions drawn evenly miss narrow lobes.
         for (what, scene) in scenes().into_iter().filter(|(what, _)| !what.contains("0.9")) {
             let (what, mut random) = (format!("{}: {what}", device.label), Pcg::new(22));
-            let rays = rays(device.pick(200_000, 40_000), &mut random);
+            let rays = rays(device.pick(200_000, 80_000), &mut random);
             let numbers = rays.iter().map(|ray| (*ray, Third::Numbers([0; 4].map(|_| random.unit()))));
             let drawn = ask(&device, &scene, numbers);
             let brought = drawn.iter().map(|s| if s.delta { DVec3::ZERO } else { s.weight.as_dvec3() });

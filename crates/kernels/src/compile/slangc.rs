@@ -20,7 +20,7 @@ pub const VARIANTS: [(&str, &[&str]); 4] = [
 
 /// Compiles the entry points of `kernels` to SPIR-V, in all variants, as [`compile`] does.
 pub fn compile_spirv(slangc: &Path, kernels: &Path, code: &Path) -> Result<String, String> {
-    let target = ["-target", "spirv", "-O0", "-fvk-use-entrypoint-name"];
+    let target = ["-target", "spirv", "-O0", "-fvk-use-entrypoint-name", "-DSPIRV"];
     let mut messages = String::new();
     for (ending, defines) in VARIANTS {
         let code = code.with_extension(ending);

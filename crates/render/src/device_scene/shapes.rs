@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use raggio_kernels::{
     Box as DeviceBox, Instance, NONE, Plane, Rectangle, SceneBuffers, ShapeKind, ShapeReference, Sphere,
 };
-use raggio_scene::{Geometry, Material, Mesh, Part, Shape, rotation};
+use raggio_scene::{Geometry, Material, Shape, rotation};
 
 use super::materials::has_holes;
 use crate::bounds::instance_scale;
@@ -28,11 +28,11 @@ impl<'a> Shapes<'a> {
 
     /// Appends `shape`, whose mesh, if it is one, is among `meshes`.
     pub fn add(&mut self, shape: &Shape, meshes: &Meshes) -> ShapeReference {
-        let has_holes = u32::from(has_holes(&self.materials[shape.material]));
+        let holes = |material: usize| u32::from(has_holes(&self.materials[material]));
         let reference = |kind: ShapeKind, index: u32| ShapeReference {
             kind: kind as u32,
             index,
-            has_holes,
+            has_holes: holes(shape.material),
             ..ShapeReference::default()
         };
         let material = shape.material as u32;
@@ -67,21 +67,13 @@ impl<'a> Shapes<'a> {
                     mesh: place as u32,
                     material,
                     first_material: first_material.map_or(NONE, |first| first as u32),
-                    has_holes: u32::from(self.any_holes(shape.material, *first_material, mesh)),
+                    has_holes: mesh.parts.iter().map(|part| holes(shape.material_of(part))).max().unwrap_or(0),
                     scale: instance_scale(meshes.bounds(place), world_from_mesh),
                     handedness: if world_from_mesh.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 },
                 };
                 reference(ShapeKind::Instance, push(&mut self.instances, instance))
             }
         }
-    }
-
-    fn any_holes(&self, material: usize, first_material: Option<usize>, mesh: &Mesh) -> bool {
-        let of_part = |part: &Part| match (first_material, part.material) {
-            (Some(first), Some(own)) => first + own,
-            _ => material,
-        };
-        mesh.parts.iter().any(|part| has_holes(&self.materials[of_part(part)]))
     }
 
     /// Puts the lists among those of a scene.

@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 use raggio_kernels::{
-    Emitter, EmitterKind, Instance, Light, LightKind, NO_TEXTURE, NONE, SceneBuffers, ShapeKind, ShapeReference,
+    Emitter, EmitterKind, Instance, Light, LightKind, NO_TEXTURE, NONE, PrincipledTexture, SceneBuffers, ShapeKind,
+    ShapeReference,
 };
 
 use super::bounds::LightBounds;
@@ -52,7 +53,7 @@ fn radiance(buffers: &SceneBuffers, material: usize) -> f32 {
         None => luminance(material.emission),
         Some(principled) => {
             let factor = principled.emissive;
-            let mean = match principled.emissive_texture {
+            let mean = match principled.textures[PrincipledTexture::Emissive as usize] {
                 _ if factor == [0.0; 3] => [0.0; 3],
                 NO_TEXTURE => [1.0; 3],
                 texture => mean(&buffers.textures[texture as usize], &buffers.texels),
