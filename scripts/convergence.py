@@ -3,7 +3,7 @@
 
 Renders each reference scene twice at 1, 4, 16, ... samples of a pixel, with different seeds, and takes half the mean
 square of the difference, relative to the square of the mean, for the error of one picture: no third picture's noise is in
-it. Prints a Markdown table and draws docs/images/convergence.svg.
+it. Prints a Markdown table and draws docs/images/convergence.png.
 
 Pictures are kept in target/convergence and not rendered again. The bunny is left out where its model is not in
 tests/data/models.
@@ -19,7 +19,7 @@ import OpenEXR
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 RAGGIO = ROOT / "target/release/raggio"
 PICTURES = ROOT / "target/convergence"
-PLOT = ROOT / "docs/images/convergence.svg"
+PLOT = ROOT / "docs/images/convergence.png"
 # Darker pixels count as if they were this bright.
 DARK = 1e-2
 
@@ -49,9 +49,8 @@ def error(name, scene, samples, device):
 
 
 def draw(counts, errors):
-    matplotlib.use("svg")
-    # The same figures give the same file.
-    matplotlib.rcParams.update({"svg.hashsalt": "raggio", "svg.fonttype": "none", "font.size": 10})
+    matplotlib.use("agg")
+    matplotlib.rcParams.update({"font.size": 10})
     from matplotlib import pyplot
 
     figure, axes = pyplot.subplots(figsize=(7, 4.5))
@@ -64,7 +63,7 @@ def draw(counts, errors):
     axes.set_yscale("log", base=10)
     axes.grid(alpha=0.3)
     axes.legend(frameon=False)
-    figure.savefig(PLOT, bbox_inches="tight", metadata={"Date": None})
+    figure.savefig(PLOT, bbox_inches="tight", dpi=110, metadata={"Software": None})
 
 
 def main():
