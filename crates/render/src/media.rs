@@ -117,7 +117,7 @@ mod tests {
         let mesh = Mesh { positions, triangles, parts: vec![part(0, 0..4), part(1, 4..8)], ..Mesh::default() };
         let principled = |transmission| Some(Arc::new(Principled { transmission, ..Principled::default() }));
         let material = |transmission| Material { principled: principled(transmission), ..Material::default() };
-        let view = "version = 1\n[camera]\nposition = [0, 0, 0]\nlook_at = [0, 0, -1]\nvertical_fov_degrees = 40\n";
+        let view = "version = 1\n[camera]\nposition = [0, 0, 0]\nlook_at = [0.1, 0.2, -1]\nvertical_fov_degrees = 40\n";
         let mut scene = Scene::parse(view, "test").expect("a scene");
         scene.materials = vec![material(1.0), material(0.0), material(1.0)];
         let geometry =

@@ -126,7 +126,7 @@ impl Case {
 
     /// The density of what is met in each direction, integrated over each bin.
     fn expected(&self, device: &TestDevice, scene: &DeviceScene) -> Vec<f64> {
-        let cells = device.pick(40, 12);
+        let cells = 40;
         let mut random = Pcg::new(7);
         let mut questions: Vec<Question> = vec![];
         let [a, b] = self.point.questions();

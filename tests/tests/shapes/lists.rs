@@ -58,7 +58,7 @@ fn what_no_kernel_can_reach_is_refused() {
     // The film has no kernels that reach it by address.
     let error = device.load(&scene).err().expect("a film of 64x64 pixels takes more").to_string();
     assert!(
-        error.starts_with("film needs 245760 bytes in one buffer, and ") && error.ends_with(" can take 1024 there"),
+        error.starts_with("film needs 294912 bytes in one buffer, and ") && error.ends_with(" can take 1024 there"),
         "{error}"
     );
 }

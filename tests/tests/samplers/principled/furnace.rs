@@ -71,11 +71,12 @@ fn directions(device: &TestDevice) -> Vec<Vec3> {
 fn white_materials_return_all_light() {
     for_each_device(|device| {
         let (mut range, mut worst) = ((f32::INFINITY, 0f32), 0f32);
+        let stride = device.pick(2, 5);
         for (i, (what, closure)) in white().into_iter().enumerate() {
-            for roughness in ROUGHNESSES.into_iter().skip(device.pick(0, i % 5)).step_by(device.pick(1, 5)) {
+            for roughness in ROUGHNESSES.into_iter().skip(i % stride).step_by(stride) {
                 let directions = directions(&device);
                 let closure = Closure { roughness, ..closure };
-                let energies = closure.energies(&device, &directions, device.pick(8192, 512));
+                let energies = closure.energies(&device, &directions, device.pick(4096, 512));
                 for (wo, (mut energy, mut error)) in directions.iter().zip(energies) {
                     if energy.x < 0.98 && energy.x > 0.98 - 4.0 * error && !device.slow {
                         (energy, error) = closure.energies(&device, &[*wo], 1 << 20)[0];
@@ -84,9 +85,10 @@ fn white_materials_return_all_light() {
                     range = (range.0.min(energy.x), range.1.max(energy.x));
                     worst = worst.max(error);
                     let returns = format!("{case}: returns {} +- {error}", energy.x);
-                    assert!(error < device.pick(4e-3, 1.5e-2), "{returns}, which is too uncertain");
+                    assert!(error < device.pick(6e-3, 3e-2), "{returns}, which is too uncertain");
                     assert!(energy.x >= 0.98 - device.pick(0.0, 3.0 * error), "{returns}");
-                    assert!(energy.x <= 1.0 + 1e-5 + 4.0 * error, "{returns}");
+                    // The tables of what facets return hold to 2e-4.
+                    assert!(energy.x <= 1.0 + 2e-4 + 4.0 * error, "{returns}");
                 }
             }
         }
