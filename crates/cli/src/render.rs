@@ -167,12 +167,12 @@ impl Job<'_> {
     fn features(&self, renderer: &mut Renderer, interrupted: &AtomicBool, film: &Film) -> Result<Features, Failure> {
         let guides = [Aov::Albedo, Aov::Normal];
         let aovs = self.aovs.iter().chain(guides.iter().filter(|_| self.denoise));
-        let wanted = aovs.flat_map(|aov| aov.features()).copied();
+        let wanted: Vec<_> = aovs.flat_map(|aov| aov.features()).copied().collect();
         // The mean number, where parts of the picture have more than others; an early end ends these films early too.
         let samples = (film.samples() / film.pixels().len() as u64).clamp(1, MOST_FEATURE_SAMPLES) as u32;
         let proceed =
             || if interrupted.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-        Ok(Features::render(renderer, wanted, samples, proceed)?)
+        Ok(Features::render(renderer, &wanted, samples, proceed)?)
     }
 
     fn metadata(&self, scene: &Scene, film: &Film) -> Metadata {

@@ -9,11 +9,14 @@ use crate::slangc::ENTRY_POINTS;
 /// Name in Rust, suffix of symbols, compiler flag.
 type Level = (&'static str, &'static str, Option<&'static str>);
 
-/// The most capable first. `RAGGIO_KERNEL_LEVEL=v3`, say, builds one alone, which is quicker while kernels are written.
+/// The most capable first. `RAGGIO_KERNEL_LEVEL=v3`, say, builds one alone where there are several, which is quicker while
+/// kernels are written.
 fn levels() -> Vec<Level> {
     println!("cargo:rerun-if-env-changed=RAGGIO_KERNEL_LEVEL");
     let only = std::env::var("RAGGIO_KERNEL_LEVEL").ok();
-    all_levels().iter().copied().filter(|level| only.as_deref().is_none_or(|only| level.1 == only)).collect()
+    let all = all_levels();
+    let wanted = |level: &Level| all.len() == 1 || only.as_deref().is_none_or(|only| level.1 == only);
+    all.iter().copied().filter(wanted).collect()
 }
 
 fn all_levels() -> &'static [Level] {

@@ -122,30 +122,45 @@ impl Aov {
 }
 
 impl Features {
-    /// Renders each of `wanted` once, with `samples` samples a pixel, or at least one if `proceed`, which is asked before
-    /// each portion, no longer lets it. The film of radiance stays as it is, and is shown afterwards.
+    /// Renders each of `wanted` once, with `samples` samples a pixel, or at least one if `proceed`, which is asked after
+    /// each portion, no longer lets it. The film that is shown stays as it is.
     pub fn render(
         renderer: &mut Renderer,
-        wanted: impl IntoIterator<Item = Feature>,
-        samples: u32,
+        wanted: &[Feature],
+        mut samples: u32,
         mut proceed: impl FnMut() -> ControlFlow<()>,
     ) -> Result<Self, DeviceError> {
-        let mut films = HashMap::new();
-        let target = renderer.target();
-        for feature in wanted {
-            if films.contains_key(&(feature as u32)) {
-                continue;
+        let mut features = Self::default();
+        while !features.advance(renderer, wanted, samples, f64::INFINITY)? {
+            if proceed().is_break() {
+                samples = 1;
             }
-            renderer.show(feature)?;
-            renderer.set_target(if feature.is_index() { 1 } else { samples });
-            while !renderer.finished() && (renderer.progress().samples == 0 || proceed().is_continue()) {
-                renderer.advance()?;
-            }
-            films.insert(feature as u32, renderer.film()?);
         }
-        renderer.show(Feature::Radiance)?;
+        Ok(features)
+    }
+
+    /// Renders one portion, of about `seconds`, of the first of `wanted` that is not there yet; true when all are. The film
+    /// that is shown stays as it is.
+    pub fn advance(
+        &mut self,
+        renderer: &mut Renderer,
+        wanted: &[Feature],
+        samples: u32,
+        seconds: f64,
+    ) -> Result<bool, DeviceError> {
+        let Some(feature) = wanted.iter().copied().find(|feature| !self.films.contains_key(&(*feature as u32))) else {
+            return Ok(true);
+        };
+        let (shown, target) = (renderer.feature(), renderer.target());
+        renderer.show(feature)?;
+        renderer.set_target(if feature.is_index() { 1 } else { samples });
+        renderer.advance_for(seconds)?;
+        if renderer.finished() {
+            self.films.insert(feature as u32, renderer.film()?);
+        }
         renderer.set_target(target);
-        Ok(Self { films })
+        renderer.show(shown)?;
+        Ok(wanted.iter().all(|feature| self.films.contains_key(&(*feature as u32))))
     }
 
     /// Mean colours of the first surfaces; black where there is none.

@@ -1,16 +1,31 @@
 //! The picture without its noise, computed while frames go on.
 
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use raggio_denoise::{DenoiseError, Denoiser, Noisy};
-use raggio_render::{Display, Image, Pixels};
+use raggio_denoise::{DenoiseError, Denoiser, Guides, Noisy};
+use raggio_render::{Display, Feature, Features, Image, Pixels};
 
 use crate::error::ViewError;
 use crate::tracer::Tracer;
 use crate::viewer::Wake;
 
-/// A picture, and the film that it is from.
-type Job<T> = (u32, T);
+/// Films that guide the denoiser, and the samples that each of their pixels takes: it is edges alone that are noisy.
+const GUIDES: [Feature; 3] = [Feature::Albedo, Feature::Normal, Feature::Hit];
+const GUIDE_SAMPLES: u32 = 16;
+
+/// What is to be denoised.
+struct Job {
+    /// By [`Tracer::generation`].
+    film: u32,
+    image: Image,
+    guides: Arc<FirstSurfaces>,
+}
+
+struct FirstSurfaces {
+    albedo: Vec<[f32; 3]>,
+    normal: Vec<[f32; 3]>,
+}
 
 /// A picture without noise, compared with what is on the screen.
 pub enum Denoised {
@@ -22,13 +37,17 @@ pub enum Denoised {
 
 /// A thread that denoises what the tracer has, at each doubling of its samples and when it is finished.
 pub struct Denoising {
-    jobs: Sender<Job<Image>>,
-    results: Receiver<Job<Result<Image, DenoiseError>>>,
+    jobs: Sender<Job>,
+    /// Each with the film that it is from.
+    results: Receiver<(u32, Result<Image, DenoiseError>)>,
     waiting: bool,
     /// The tracer's film, by [`Tracer::generation`].
     film: u32,
     /// Samples of the last picture of that film that was handed over.
     samples: u32,
+    /// As far as they have been rendered.
+    features: Features,
+    guides: Option<Arc<FirstSurfaces>>,
     picture: Option<Image>,
     shown: Option<Display>,
 }
@@ -37,13 +56,14 @@ impl Denoising {
     /// Finds the library and starts the thread; `wake` is called when there is a picture.
     pub fn begin(wake: Wake) -> Result<Self, DenoiseError> {
         let denoiser = Denoiser::open()?;
-        let (jobs, work) = channel::<Job<Image>>();
+        let (jobs, work) = channel::<Job>();
         let (done, results) = channel();
         // It ends when either side of it does.
         std::thread::spawn(move || {
-            for (film, image) in work {
+            for Job { film, image, guides } in work {
                 let (width, height) = (image.width as usize, image.height as usize);
-                let noisy = Noisy { width, height, color: &image.pixels, guides: None };
+                let guides = Some(Guides { albedo: &guides.albedo, normal: &guides.normal });
+                let noisy = Noisy { width, height, color: &image.pixels, guides };
                 let outcome = denoiser.denoise(noisy).map(|pixels| Image { pixels, ..image });
                 if done.send((film, outcome)).is_err() {
                     return;
@@ -51,16 +71,37 @@ impl Denoising {
                 wake();
             }
         });
-        Ok(Self { jobs, results, waiting: false, film: 0, samples: 0, picture: None, shown: None })
+        let (features, guides) = (Features::default(), None);
+        Ok(Self { jobs, results, waiting: false, film: 0, samples: 0, features, guides, picture: None, shown: None })
+    }
+
+    /// Spends a frame's `seconds` on guides where it is they that are missing; false if nothing is.
+    pub fn prepare(&mut self, tracer: &mut Tracer, seconds: f64) -> Result<bool, ViewError> {
+        self.keep_up(tracer);
+        if self.guides.is_some() || !self.is_due(tracer) {
+            return Ok(false);
+        }
+        if tracer.gather(&mut self.features, &GUIDES, GUIDE_SAMPLES, seconds)? {
+            let features = std::mem::take(&mut self.features);
+            self.guides = Some(Arc::new(FirstSurfaces { albedo: features.albedos(), normal: features.normals() }));
+        }
+        Ok(true)
+    }
+
+    /// Forgets what is of another film.
+    fn keep_up(&mut self, tracer: &Tracer) {
+        if self.film != tracer.generation() {
+            self.film = tracer.generation();
+            self.samples = 0;
+            self.features = Features::default();
+            self.guides = None;
+            self.picture = None;
+        }
     }
 
     /// Takes what the thread has finished, and gives it what is new.
     pub fn follow(&mut self, tracer: &mut Tracer) -> Result<(), ViewError> {
-        if self.film != tracer.generation() {
-            self.film = tracer.generation();
-            self.samples = 0;
-            self.picture = None;
-        }
+        self.keep_up(tracer);
         while let Ok((film, outcome)) = self.results.try_recv() {
             self.waiting = false;
             let picture = outcome?;
@@ -69,11 +110,11 @@ impl Denoising {
                 self.shown = None;
             }
         }
-        if !self.waiting && self.is_due(tracer) {
+        if let Some(guides) = self.guides.clone().filter(|_| !self.waiting && self.is_due(tracer)) {
             let (film, samples) = tracer.radiance()?;
             self.samples = samples;
             // A thread that is gone has left its reason among the results.
-            self.waiting = self.jobs.send((self.film, film.mean())).is_ok();
+            self.waiting = self.jobs.send(Job { film: self.film, image: film.mean(), guides }).is_ok();
         }
         Ok(())
     }
@@ -86,7 +127,7 @@ impl Denoising {
     fn is_due(&self, tracer: &Tracer) -> bool {
         let samples = tracer.progress().samples;
         let more = samples >= 2 * self.samples || tracer.finished() && samples > self.samples;
-        tracer.is_whole() && samples > 0 && more
+        tracer.shows_radiance() && tracer.is_whole() && samples > 0 && more
     }
 
     /// The picture, if there is one.

@@ -3,7 +3,8 @@
 use std::time::{Duration, Instant};
 
 use raggio_render::{
-    Device, DeviceError, DeviceScene, Display, Feature, Film, FilmPixel, Image, Pixels, Probe, Progress, Renderer, View,
+    Device, DeviceError, DeviceScene, Display, Feature, Features, Film, FilmPixel, Image, Pixels, Probe, Progress,
+    Renderer, View,
 };
 use raggio_scene::{Camera, Scene, Vec3};
 
@@ -141,10 +142,11 @@ impl Tracer {
     /// Another camera; `moving`: and more are to be expected, so responsiveness comes before sharpness.
     pub fn set_camera(&mut self, camera: &Camera, moving: bool) -> Result<(), ViewError> {
         let before = std::mem::replace(&mut self.scene.camera, camera.clone());
+        self.restart().inspect_err(|_| self.scene.camera = before)?;
         if moving {
             self.moved = Some(Instant::now());
         }
-        self.restart().inspect_err(|_| self.scene.camera = before)
+        Ok(())
     }
 
     /// Another size of the picture, in pixels.
@@ -313,9 +315,33 @@ impl Tracer {
         Ok((film, samples))
     }
 
+    /// Spends about `seconds`, one portion at least, on what `features` lack of `wanted`; true when they have it all.
+    pub fn gather(
+        &mut self,
+        features: &mut Features,
+        wanted: &[Feature],
+        samples: u32,
+        seconds: f64,
+    ) -> Result<bool, ViewError> {
+        let start = Instant::now();
+        let mut left = seconds;
+        while !features.advance(&mut self.renderer, wanted, samples, left)? {
+            left = seconds - start.elapsed().as_secs_f64();
+            if left <= 0.0 {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
     /// A pixel of the film that is shown.
     pub fn pixel(&mut self, [x, y]: [u32; 2]) -> Result<FilmPixel, ViewError> {
         Ok(self.renderer.session().pixel(x, y)?)
+    }
+
+    /// It is the film of radiance that is shown, in one view or another.
+    pub fn shows_radiance(&self) -> bool {
+        self.renderer.feature() == Feature::Radiance
     }
 
     /// Another number for each new film.

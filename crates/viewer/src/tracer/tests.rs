@@ -1,3 +1,5 @@
+use std::ops::ControlFlow;
+
 use raggio_render::{DeviceChoice, OpenOptions, open};
 
 use super::*;
@@ -57,8 +59,11 @@ fn after_a_change_the_picture_is_coarse_at_once_and_whole_soon() {
     tracer.trace(0.004).expect("it traces");
     let [width, height] = tracer.film_size();
     assert!(width < 900 && height < 700, "{width} x {height}");
-    tracer.trace(0.05).expect("it traces");
-    assert!(tracer.progress().samples > 0, "there is something to see");
+    let seen = (0..5).any(|_| {
+        tracer.trace(0.05).expect("it traces");
+        tracer.progress().samples > 0
+    });
+    assert!(seen, "there is something to see");
     settle(&mut tracer);
     assert_eq!(tracer.film_size(), [900, 700]);
 }
@@ -79,6 +84,25 @@ fn a_change_is_never_mixed_with_what_was_before() {
     let mut session = tracer.device().load(&device_scene).expect("it loads");
     session.add_samples(0..30, 0..samples).expect("it traces");
     assert_eq!(session.film().expect("the film"), film);
+}
+
+#[test]
+fn guides_are_gathered_beside_the_picture() {
+    let mut tracer = tracer([40, 30]);
+    settle(&mut tracer);
+    let (before, samples) = tracer.radiance().expect("it traces");
+    let wanted = [Feature::Albedo, Feature::Normal, Feature::Hit];
+    let mut features = Features::default();
+    // No portion fits into this time, so that each is as small as can be.
+    let frames = (1..10_000).find(|_| tracer.gather(&mut features, &wanted, 4, 1e-7).expect("it traces"));
+    assert!(frames.expect("an end") > 3, "all was done in {frames:?} frames");
+    assert!(tracer.shows_radiance());
+    assert_eq!(tracer.radiance().expect("it traces"), (before, samples));
+
+    let once = Features::render(&mut tracer.renderer, &wanted, 4, || ControlFlow::Continue(())).expect("it traces");
+    assert_eq!((features.albedos(), features.normals()), (once.albedos(), once.normals()));
+    let [center, corner] = [15 * 40 + 20, 0].map(|i| Vec3::from(features.normals()[i]));
+    assert!(center.abs_diff_eq(Vec3::Z, 0.1) && corner == Vec3::ZERO, "{center} and {corner}");
 }
 
 #[test]

@@ -8,10 +8,11 @@ use raggio_render::{Comparison, ImageFile, Pixels, View};
 use super::{Reading, Viewer};
 use crate::clock::Pace;
 use crate::command::ExportRequest;
-use crate::denoising::Denoised;
+use crate::denoising::{Denoised, Denoising};
 use crate::error::ViewError;
 use crate::export::Export;
 use crate::look::Look;
+use crate::tracer::Tracer;
 
 /// After so long without input nobody waits for an answer.
 const UNTOUCHED: Duration = Duration::from_millis(300);
@@ -36,11 +37,35 @@ impl Viewer {
             Some(export) if whole => self.advance_export(export, budget),
             export => {
                 self.export = export;
-                if whole && self.settings.paused { Ok(()) } else { self.tracer.trace(budget) }
+                self.trace(whole, budget)
             }
         };
         self.clock.sampled(start.elapsed().as_secs_f64(), budget);
         outcome
+    }
+
+    /// The denoiser's guides come before more samples, also where no more are taken.
+    fn trace(&mut self, whole: bool, budget: f64) -> Result<(), ViewError> {
+        if whole {
+            let prepared = self.denoise(|denoising, tracer| denoising.prepare(tracer, budget))?;
+            if prepared == Some(true) || self.settings.paused {
+                return Ok(());
+            }
+        }
+        self.tracer.trace(budget)
+    }
+
+    /// Does something for the denoiser, if there is one; it ends where that fails.
+    fn denoise<T>(
+        &mut self,
+        what: impl FnOnce(&mut Denoising, &mut Tracer) -> Result<T, ViewError>,
+    ) -> Result<Option<T>, ViewError> {
+        let Some(denoising) = &mut self.denoising else { return Ok(None) };
+        let outcome = what(denoising, &mut self.tracer).map(Some);
+        outcome.inspect_err(|_| {
+            self.denoising = None;
+            self.tracer.show_again();
+        })
     }
 
     /// An export that fails is over.
@@ -64,12 +89,8 @@ impl Viewer {
 
     /// The picture without its noise, if it is wanted and there is one. Comparisons are with what has been computed.
     fn denoised(&mut self) -> Result<Option<Denoised>, ViewError> {
+        self.denoise(|denoising, tracer| denoising.follow(tracer))?;
         let Some(denoising) = &mut self.denoising else { return Ok(None) };
-        if let Err(error) = denoising.follow(&mut self.tracer) {
-            self.denoising = None;
-            self.tracer.show_again();
-            return Err(error);
-        }
         let look = self.settings.look;
         let shown = look.view == View::Radiance && (self.reference.is_none() || look.comparison == Comparison::Off);
         Ok(shown.then(|| denoising.picture(look.of_files())).flatten())
