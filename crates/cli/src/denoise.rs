@@ -1,6 +1,6 @@
 //! Pictures without their noise, beside those that have it.
 
-use raggio_denoise::{Denoiser, Guides, Noisy};
+use raggio_denoise::{Denoiser, Noisy};
 use raggio_render::{Display, Extras, Features, Film, Image, ImageFile};
 
 use crate::error::Failure;
@@ -31,14 +31,9 @@ impl Denoising {
         extras: Extras,
     ) -> Result<(), Failure> {
         let mean = film.mean();
-        let (albedo, normal) = (features.albedos(), features.normals());
-        let noisy = Noisy {
-            width: mean.width as usize,
-            height: mean.height as usize,
-            color: &mean.pixels,
-            guides: Some(Guides { albedo: &albedo, normal: &normal }),
-        };
-        let pixels = self.denoiser.denoise(noisy)?;
+        let [width, height] = [mean.width, mean.height].map(|side| side as usize);
+        let guides = self.denoiser.guides([width, height], &features.albedos(), &features.normals())?;
+        let pixels = self.denoiser.denoise(Noisy { width, height, color: &mean.pixels, guides: Some(&guides) })?;
         let denoised = Film::from_image(&Image { pixels, ..mean.clone() });
         let mut metadata = extras.metadata;
         if let Some(metadata) = &mut metadata {

@@ -15,17 +15,16 @@ pub struct Noisy<'a> {
     pub height: usize,
     /// Linear radiance of any brightness.
     pub color: &'a [[f32; 3]],
-    /// Colours of the first surfaces, 0 to 1, and their normals, -1 to 1; as noisy as they are.
-    pub guides: Option<Guides<'a>>,
+    /// What the first surfaces are like.
+    pub guides: Option<&'a Guides>,
 }
 
-/// What the first surfaces are like.
-#[derive(Clone, Copy, Debug)]
-pub struct Guides<'a> {
-    /// 0 to 1.
-    pub albedo: &'a [[f32; 3]],
-    /// -1 to 1.
-    pub normal: &'a [[f32; 3]],
+/// What the first surfaces are like, without the noise of edges, which would come back into the picture otherwise: by
+/// [`Denoiser::guides`].
+#[derive(Clone, Debug)]
+pub struct Guides {
+    albedo: Vec<[f32; 3]>,
+    normal: Vec<[f32; 3]>,
 }
 
 /// Why there is no denoised picture.
@@ -76,24 +75,40 @@ impl Denoiser {
         format!("Open Image Denoise {}.{}.{}", version / 10_000, version / 100 % 100, version % 100)
     }
 
-    /// The picture without its noise. Guides are denoised first, so that their noise does not come back.
+    /// Guides from the colours of the first surfaces, 0 to 1, and their normals, -1 to 1, as noisy as they are; row by row,
+    /// `width` times `height` each.
+    pub fn guides(
+        &self,
+        [width, height]: [usize; 2],
+        albedo: &[[f32; 3]],
+        normal: &[[f32; 3]],
+    ) -> Result<Guides, DenoiseError> {
+        let clean = |name, pixels| {
+            check_size([width, height], pixels)?;
+            self.device.filter([width, height], &[(name, pixels)], &[])
+        };
+        Ok(Guides { albedo: clean("albedo", albedo)?, normal: clean("normal", normal)? })
+    }
+
+    /// The picture without its noise.
     pub fn denoise(&self, noisy: Noisy<'_>) -> Result<Vec<[f32; 3]>, DenoiseError> {
         let Noisy { width, height, color, guides } = noisy;
-        let lists = [Some(color), guides.map(|g| g.albedo), guides.map(|g| g.normal)];
-        if let Some(wrong) = lists.into_iter().flatten().find(|list| list.len() != width * height) {
-            return Err(DenoiseError::Size { width, height, found: wrong.len() });
-        }
         let size = [width, height];
+        check_size(size, color)?;
         match guides {
             None => self.device.filter(size, &[("color", color)], &["hdr"]),
             Some(Guides { albedo, normal }) => {
-                let albedo = self.device.filter(size, &[("albedo", albedo)], &[])?;
-                let normal = self.device.filter(size, &[("normal", normal)], &[])?;
-                let inputs = [("color", color), ("albedo", &albedo), ("normal", &normal)];
+                check_size(size, albedo)?;
+                let inputs = [("color", color), ("albedo", albedo), ("normal", normal)];
                 self.device.filter(size, &inputs, &["hdr", "cleanAux"])
             }
         }
     }
+}
+
+fn check_size([width, height]: [usize; 2], pixels: &[[f32; 3]]) -> Result<(), DenoiseError> {
+    let found = pixels.len();
+    if found == width * height { Ok(()) } else { Err(DenoiseError::Size { width, height, found }) }
 }
 
 const NAME: &str = if cfg!(windows) {

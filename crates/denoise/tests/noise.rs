@@ -1,6 +1,6 @@
 //! What is left of noise; where the library is installed.
 
-use raggio_denoise::{DenoiseError, Denoiser, Guides, Noisy};
+use raggio_denoise::{DenoiseError, Denoiser, Noisy};
 
 const SIDE: usize = 128;
 
@@ -43,9 +43,9 @@ fn noise_goes_and_edges_stay() {
     let (clean, noisy) = picture();
     let albedo: Vec<_> = clean.iter().map(|pixel| pixel.map(|value| value / 2.0)).collect();
     let normal = vec![[0.0, 0.0, 1.0]; clean.len()];
-    let guides = Guides { albedo: &albedo, normal: &normal };
+    let guides = denoiser.guides([SIDE; 2], &albedo, &normal).expect("they are denoised");
     let before = error(&noisy, &clean);
-    for guides in [None, Some(guides)] {
+    for guides in [None, Some(&guides)] {
         let picture = Noisy { width: SIDE, height: SIDE, color: &noisy, guides };
         let found = error(&denoiser.denoise(picture).expect("it is denoised"), &clean);
         assert!(found < 0.15 * before, "with guides: {}: {found} is left of {before}", guides.is_some());
@@ -59,4 +59,9 @@ fn lists_of_other_lengths_are_refused() {
     let picture = Noisy { width: SIDE, height: SIDE + 1, color: &noisy, guides: None };
     let error = denoiser.denoise(picture).expect_err("a row is missing").to_string();
     assert_eq!(error, "the picture is 128 x 129 pixels, and one of its parts has 16384");
+    let guides = denoiser.guides([SIDE; 2], &noisy, &noisy[1..]).map(|_| ());
+    assert!(matches!(guides, Err(DenoiseError::Size { found: 16383, .. })), "{guides:?}");
+    let guides = denoiser.guides([SIDE, 1], &noisy[..SIDE], &noisy[..SIDE]).expect("a row");
+    let picture = Noisy { width: SIDE, height: SIDE, color: &noisy, guides: Some(&guides) };
+    assert!(matches!(denoiser.denoise(picture), Err(DenoiseError::Size { found: SIDE, .. })));
 }

@@ -1,6 +1,5 @@
 //! The picture without its noise, computed while frames go on.
 
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use raggio_denoise::{DenoiseError, Denoiser, Guides, Noisy};
@@ -19,7 +18,8 @@ struct Job {
     /// By [`Tracer::generation`].
     film: u32,
     image: Image,
-    guides: Arc<FirstSurfaces>,
+    /// With the first picture of a film.
+    first_surfaces: Option<FirstSurfaces>,
 }
 
 struct FirstSurfaces {
@@ -47,7 +47,8 @@ pub struct Denoising {
     samples: u32,
     /// As far as they have been rendered.
     features: Features,
-    guides: Option<Arc<FirstSurfaces>>,
+    /// All of them have been.
+    guided: bool,
     picture: Option<Image>,
     shown: Option<Display>,
 }
@@ -60,31 +61,27 @@ impl Denoising {
         let (done, results) = channel();
         // It ends when either side of it does.
         std::thread::spawn(move || {
-            for Job { film, image, guides } in work {
-                let (width, height) = (image.width as usize, image.height as usize);
-                let guides = Some(Guides { albedo: &guides.albedo, normal: &guides.normal });
-                let noisy = Noisy { width, height, color: &image.pixels, guides };
-                let outcome = denoiser.denoise(noisy).map(|pixels| Image { pixels, ..image });
+            let mut guides = None;
+            for Job { film, image, first_surfaces } in work {
+                let outcome = denoise(&denoiser, image, first_surfaces, &mut guides);
                 if done.send((film, outcome)).is_err() {
                     return;
                 }
                 wake();
             }
         });
-        let (features, guides) = (Features::default(), None);
-        Ok(Self { jobs, results, waiting: false, film: 0, samples: 0, features, guides, picture: None, shown: None })
+        let features = Features::default();
+        let (waiting, guided) = (false, false);
+        Ok(Self { jobs, results, waiting, film: 0, samples: 0, features, guided, picture: None, shown: None })
     }
 
     /// Spends a frame's `seconds` on guides where it is they that are missing; false if nothing is.
     pub fn prepare(&mut self, tracer: &mut Tracer, seconds: f64) -> Result<bool, ViewError> {
         self.keep_up(tracer);
-        if self.guides.is_some() || !self.is_due(tracer) {
+        if self.guided || !self.is_due(tracer) {
             return Ok(false);
         }
-        if tracer.gather(&mut self.features, &GUIDES, GUIDE_SAMPLES, seconds)? {
-            let features = std::mem::take(&mut self.features);
-            self.guides = Some(Arc::new(FirstSurfaces { albedo: features.albedos(), normal: features.normals() }));
-        }
+        self.guided = tracer.gather(&mut self.features, &GUIDES, GUIDE_SAMPLES, seconds)?;
         Ok(true)
     }
 
@@ -94,7 +91,7 @@ impl Denoising {
             self.film = tracer.generation();
             self.samples = 0;
             self.features = Features::default();
-            self.guides = None;
+            self.guided = false;
             self.picture = None;
         }
     }
@@ -110,18 +107,22 @@ impl Denoising {
                 self.shown = None;
             }
         }
-        if let Some(guides) = self.guides.clone().filter(|_| !self.waiting && self.is_due(tracer)) {
+        if self.guided && !self.waiting && self.is_due(tracer) {
             let (film, samples) = tracer.radiance()?;
+            let first = self.samples == 0;
+            let features = std::mem::take(&mut self.features);
+            let surfaces = || FirstSurfaces { albedo: features.albedos(), normal: features.normals() };
+            let job = Job { film: self.film, image: film.mean(), first_surfaces: first.then(surfaces) };
             self.samples = samples;
             // A thread that is gone has left its reason among the results.
-            self.waiting = self.jobs.send(Job { film: self.film, image: film.mean(), guides }).is_ok();
+            self.waiting = self.jobs.send(job).is_ok();
         }
         Ok(())
     }
 
-    /// Something is going on, or will as soon as there are frames.
+    /// It needs frames. While the thread works, it does not: `wake` asks for one.
     pub fn is_busy(&self, tracer: &Tracer) -> bool {
-        self.waiting || self.is_due(tracer)
+        !self.waiting && self.is_due(tracer)
     }
 
     fn is_due(&self, tracer: &Tracer) -> bool {
@@ -139,4 +140,19 @@ impl Denoising {
         self.shown = Some(display);
         Some(Denoised::Changed(raggio_render::show_image(image, display), [image.width, image.height]))
     }
+}
+
+/// `image` without its noise; `guides` are those of its film, from `first_surfaces` if it is the first.
+fn denoise(
+    denoiser: &Denoiser,
+    image: Image,
+    first_surfaces: Option<FirstSurfaces>,
+    guides: &mut Option<Guides>,
+) -> Result<Image, DenoiseError> {
+    let (width, height) = (image.width as usize, image.height as usize);
+    if let Some(FirstSurfaces { albedo, normal }) = first_surfaces {
+        *guides = Some(denoiser.guides([width, height], &albedo, &normal)?);
+    }
+    let noisy = Noisy { width, height, color: &image.pixels, guides: guides.as_ref() };
+    Ok(Image { pixels: denoiser.denoise(noisy)?, ..image })
 }
