@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::load::Format;
+use crate::format::Format;
 
 /// Why there is no image. Displayed as `file: problem`, or as the problem alone where no file is known.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

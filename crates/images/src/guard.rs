@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use bytemuck::Pod;
 
 use crate::error::Problem;
-use crate::load::Format;
+use crate::format::Format;
 
 /// Runs a decoder that may panic on damaged data, and makes the panic an error.
 ///

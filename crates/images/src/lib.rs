@@ -21,6 +21,7 @@
 
 mod bitmap;
 mod error;
+mod format;
 mod guard;
 mod ktx;
 mod limits;
@@ -30,5 +31,6 @@ mod raster;
 
 pub use bitmap::{Bitmap, Texels};
 pub use error::{ImageError, Problem};
+pub use format::Format;
 pub use limits::Limits;
-pub use load::{Format, decode, load};
+pub use load::{decode, load};

@@ -6,9 +6,9 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 
 use crate::bitmap::{Bitmap, Texels};
 use crate::error::Problem;
+use crate::format::Format;
 use crate::guard::{grouped, radiance};
 use crate::limits::Limits;
-use crate::load::Format;
 
 /// A block of 8 x 8 pixels takes at least a bit in JPEG.
 const MOST_JPEG_PIXELS_PER_BYTE: u64 = 512;

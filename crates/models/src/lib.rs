@@ -16,6 +16,7 @@ mod color;
 mod error;
 mod file;
 mod gltf;
+mod load;
 mod material;
 mod mesh;
 mod model;
@@ -27,8 +28,9 @@ mod text;
 mod translate;
 
 pub use error::{ModelError, Place};
-pub use file::{Format, LoadOptions, MOST_BYTES, load, parse, path_inside};
+pub use file::{LoadOptions, MOST_BYTES, path_inside};
 pub use gltf::{GltfOptions, Resources, load_gltf, parse_gltf};
+pub use load::{Format, load, parse};
 pub use material::{AlphaMode, Principled, Texture, TextureFilter, Wrap};
 pub use mesh::{Dropped, Mesh, MeshFile, Part};
 pub use model::{Camera, Instance, Light, LightKind, Material, Model};

@@ -11,9 +11,9 @@ use rayon::prelude::*;
 use raggio_scene::Integrator;
 
 use crate::adaptive::Blocks;
-use crate::device::{Answer, Device, DeviceError, DeviceInfo, Pixels, Question, Session, sampling};
+use crate::device::{Answer, Device, DeviceError, DeviceInfo, Question, Session, sampling};
 use crate::device_scene::DeviceScene;
-use crate::display::{Display, display_rows, reference_pixels};
+use crate::display::{Display, Pixels, display_rows, reference_pixels};
 use crate::film::Film;
 use crate::films::Films;
 use crate::linear_image::Image;

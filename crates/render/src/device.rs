@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use raggio_kernels::{BrokenScene, EntryPoint, Feature, FilmPixel, Probe};
 use raggio_scene::Integrator;
-use raggio_vulkan::{Buffer, VulkanError};
+use raggio_vulkan::VulkanError;
 
 use crate::adaptive::Blocks;
 use crate::device_scene::DeviceScene;
-use crate::display::Display;
+use crate::display::{Display, Pixels};
 use crate::film::Film;
 use crate::linear_image::Image;
 
@@ -81,14 +81,6 @@ pub(crate) fn sampling(integrator: Integrator, feature: Feature) -> EntryPoint {
         (Feature::Radiance, Integrator::Reference) => EntryPoint::Reference,
         _ => EntryPoint::Inspect,
     }
-}
-
-/// Displayable pixels, 0xAABBGGRR in sRGB, row by row from the top left.
-pub enum Pixels {
-    /// In the host's memory.
-    Host(Vec<u32>),
-    /// In the memory of the device that traced them.
-    Device(Arc<Buffer>),
 }
 
 /// Arguments of a probe.

@@ -1,11 +1,21 @@
 //! From radiance to what is looked at.
 
+use std::sync::Arc;
+
 use raggio_kernels::cpu::{Buffers, InstructionSet, dispatch};
 use raggio_kernels::{Comparison, EntryPoint, FilmPixel, ToneMapper, View, Work};
+use raggio_vulkan::Buffer;
 
-use crate::device::Pixels;
 use crate::film::Film;
 use crate::linear_image::Image;
+
+/// Displayable pixels, 0xAABBGGRR in sRGB, row by row from the top left.
+pub enum Pixels {
+    /// In the host's memory.
+    Host(Vec<u32>),
+    /// In the memory of the device that traced them.
+    Device(Arc<Buffer>),
+}
 
 /// How a film becomes the colours of a screen or a PNG.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -15,9 +15,9 @@ use raggio_vulkan::{
 };
 
 use crate::adaptive::Blocks;
-use crate::device::{Answer, Device, DeviceError, Pixels, Question, Session, sampling};
+use crate::device::{Answer, Device, DeviceError, Question, Session, sampling};
 use crate::device_scene::DeviceScene;
-use crate::display::{Display, reference_pixels};
+use crate::display::{Display, Pixels, reference_pixels};
 use crate::film::Film;
 use crate::films::Films;
 use crate::linear_image::Image;

@@ -44,7 +44,8 @@ pub use assets::{AssetOptions, Assets, is_model};
 pub use counts::Counts;
 pub use error::SceneError;
 pub use glam::{DAffine3, DMat3, DVec3, Vec3};
-pub use load::{display_name, scene_text};
+pub use load::scene_text;
+pub use names::display_name;
 pub use raggio_images::{Bitmap, Texels};
 pub use raggio_models::{AlphaMode, Light, LightKind, Mesh, Part, Principled, Texture, TextureFilter, Wrap};
 pub use scene::{

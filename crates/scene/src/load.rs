@@ -11,7 +11,7 @@ use crate::convert;
 use crate::error::SceneError;
 use crate::fault::{Fault, Kind, Step};
 use crate::file::SceneFile;
-use crate::names;
+use crate::names::display_name;
 use crate::number::Version;
 use crate::reader::Node;
 use crate::scene::Scene;
@@ -94,11 +94,6 @@ pub fn scene_text(path: &Path, assets: &mut Assets) -> Result<String, SceneError
     let name = display_name(path);
     let bytes = read(path).map_err(|message| SceneError::whole_file(&name, message))?;
     utf8(&bytes, &name).map(str::to_string)
-}
-
-/// A file as messages name it: control characters are escaped, because messages go to terminals.
-pub fn display_name(path: &Path) -> String {
-    names::escaped(&path.display().to_string())
 }
 
 /// The version comes first: in a file of another version unknown keys are no mistakes.

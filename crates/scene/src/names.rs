@@ -1,10 +1,17 @@
 //! Names of the file in messages: quoted safely, and the known one nearest to an unknown one.
 
+use std::path::Path;
+
 /// Longer names are cut in messages and not compared, which also bounds the time of comparing.
 const LONGEST: usize = 60;
 
 /// How alike two names must be, from 0 to 1, for one to be suggested in place of the other.
 const ALIKE: f64 = 0.6;
+
+/// A file as messages name it: control characters are escaped, because messages go to terminals.
+pub fn display_name(path: &Path) -> String {
+    escaped(&path.display().to_string())
+}
 
 /// In backquotes, control characters escaped (a message goes to terminals), long text cut.
 pub(crate) fn quoted(text: &str) -> String {

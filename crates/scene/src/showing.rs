@@ -10,7 +10,7 @@ use raggio_models::{Camera, Place};
 
 use crate::assets::{Assets, Bounds, Imported, Trouble};
 use crate::error::SceneError;
-use crate::load::display_name;
+use crate::names::display_name;
 use crate::number::LARGEST;
 use crate::scene::RenderSettings;
 

@@ -7,7 +7,7 @@ use raggio_render::{Display, Feature, Features, Image, Pixels};
 
 use crate::error::ViewError;
 use crate::tracer::Tracer;
-use crate::viewer::Wake;
+use crate::wake::Wake;
 
 /// Films that guide the denoiser, and the samples that each of their pixels takes: it is edges alone that are noisy.
 const GUIDES: [Feature; 3] = [Feature::Albedo, Feature::Normal, Feature::Hit];

@@ -27,6 +27,7 @@ mod screen;
 mod stage;
 mod tracer;
 mod viewer;
+mod wake;
 mod watch;
 mod window;
 

@@ -15,7 +15,8 @@ use crate::document::Document;
 use crate::error::ViewError;
 use crate::play::{Player, WindowStep};
 use crate::screen::{SMALLEST, Screen};
-use crate::viewer::{Viewer, Wake};
+use crate::viewer::Viewer;
+use crate::wake::Wake;
 
 /// Lost again so soon, a device is not worth another try.
 const HEALTHY: Duration = Duration::from_secs(10);

@@ -5,7 +5,6 @@ mod files;
 mod pictures;
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use raggio_render::{Device, FilmPixel, Spirv};
@@ -25,10 +24,8 @@ use crate::notices::Notices;
 use crate::pilot::{Hands, Pilot};
 use crate::play::State;
 use crate::tracer::{Pick, Tracer};
+use crate::wake::Wake;
 use crate::watch::Watch;
-
-/// Makes a frame happen even though no input arrives.
-pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
 /// The state behind the window.
 pub struct Viewer {

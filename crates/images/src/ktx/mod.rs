@@ -12,8 +12,8 @@ use ruzstd::decoding::StreamingDecoder;
 
 use crate::bitmap::{Bitmap, Texels};
 use crate::error::Problem;
+use crate::format::Format;
 use crate::limits::Limits;
-use crate::load::Format;
 
 pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Bitmap, Problem> {
     let reader = Reader::new(bytes).map_err(malformed)?;

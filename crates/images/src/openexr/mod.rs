@@ -8,8 +8,8 @@ mod layer;
 
 use crate::bitmap::{Bitmap, Texels};
 use crate::error::Problem;
+use crate::format::Format;
 use crate::limits::Limits;
-use crate::load::Format;
 use layer::Layer;
 
 pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Bitmap, Problem> {
