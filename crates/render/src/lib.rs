@@ -26,6 +26,7 @@ mod meshes;
 mod metadata;
 mod renderer;
 mod textures;
+mod translation_error;
 mod vulkan;
 
 pub use adaptive::Blocks;
@@ -34,7 +35,7 @@ pub use bounds::bounds;
 pub use choice::{DeviceChoice, OpenOptions, devices, open};
 pub use cpu::{CpuDevice, CpuOptions};
 pub use device::{Answer, Device, DeviceError, DeviceInfo, Question, Session};
-pub use device_scene::{DeviceScene, TranslationError};
+pub use device_scene::DeviceScene;
 pub use display::{Display, Pixels, show_image};
 pub use film::{Film, SizeMismatch, film_bytes};
 pub use image_file::{Extras, ImageFile, OutputError, check_writable, write_png, write_whole};
@@ -49,4 +50,5 @@ pub use raggio_kernels::{
 };
 pub use renderer::{Progress, Renderer};
 pub use textures::{ColorSpace, TextureTable};
+pub use translation_error::TranslationError;
 pub use vulkan::VulkanDevice;

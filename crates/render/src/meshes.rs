@@ -8,9 +8,9 @@ use raggio_kernels::{BvhNode, MOST_IN_HIERARCHY, Mesh as DeviceMesh, NONE, Scene
 use raggio_scene::Mesh;
 use rayon::prelude::*;
 
-use crate::device_scene::TranslationError;
 use crate::hierarchy::{Bounds, Hierarchy, moved};
 use crate::machine;
+use crate::translation_error::TranslationError;
 
 /// The meshes of a scene, one behind the other. Kept from edit to edit: a mesh is built once.
 #[derive(Clone, Debug, Default)]
