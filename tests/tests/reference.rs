@@ -13,10 +13,10 @@ use raggio_tests::{for_each_device, render};
 /// devices are compared with each other.
 const SCENES: [(&str, u32, u32); 5] = [
     ("cornell", 4096, 192),
-    ("spheres", 4096, 768),
-    ("nested", 4096, 768),
+    ("spheres", 1024, 768),
+    ("nested", 1024, 768),
     ("lamp", 16384, 768),
-    ("weekend", 4096, 192),
+    ("weekend", 1024, 192),
 ];
 
 fn scene(name: &str) -> Scene {

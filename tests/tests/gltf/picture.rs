@@ -4,7 +4,7 @@ use std::fs;
 
 use glam::DVec3;
 use raggio_render::Device;
-use raggio_scene::Scene;
+use raggio_scene::{Integrator, Scene};
 use raggio_tests::devices::cpu;
 use raggio_tests::render;
 use raggio_tests::render::means;
@@ -23,6 +23,8 @@ pub struct Shot {
     pub samples: u32,
     /// Rays of a path.
     pub depth: u32,
+    /// How light is followed.
+    pub integrator: Integrator,
     /// Of animations.
     pub time: Option<f64>,
     /// In place of the file's materials: the text of a principled one.
@@ -40,6 +42,7 @@ impl Default for Shot {
             environment: "color = [0, 0, 0]".into(),
             samples: 1,
             depth: 2,
+            integrator: Integrator::Path,
             time: None,
             material: None,
             more: String::new(),
@@ -83,7 +86,9 @@ impl Shot {
         for (name, bytes) in &self.files {
             fs::write(folder.path().join(name), bytes).expect("an image is written");
         }
-        Scene::load(&path).unwrap_or_else(|error| panic!("{error}"))
+        let mut scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
+        scene.render.integrator = self.integrator;
+        scene
     }
 
     pub fn take(&self, asset: &Asset) -> Picture {

@@ -71,7 +71,7 @@ fn directions(device: &TestDevice) -> Vec<Vec3> {
 fn white_materials_return_all_light() {
     for_each_device(|device| {
         let (mut range, mut worst) = ((f32::INFINITY, 0f32), 0f32);
-        let stride = device.pick(2, 5);
+        let stride = device.pick(3, 5);
         for (i, (what, closure)) in white().into_iter().enumerate() {
             for roughness in ROUGHNESSES.into_iter().skip(i % stride).step_by(stride) {
                 let directions = directions(&device);
