@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 use raggio_render::{Device, DeviceChoice, DeviceScene, OpenOptions, Renderer, open};
-use raggio_scene::{DAffine3, Geometry, Mesh, Part, Scene, Shape};
+use raggio_scene::{DAffine3, Geometry, Integrator, Mesh, Part, Scene, Shape};
 
 const SCENE: &str = "version = 1
 [render]
@@ -92,6 +92,8 @@ fn rock(level: u32) -> Mesh {
 
 fn measure(device: &dyn Device, level: u32) -> Result<(), Box<dyn std::error::Error>> {
     let mut scene = Scene::parse(SCENE, "rock")?;
+    // Rays alone, and no samples of light.
+    scene.render.integrator = Integrator::Reference;
     let mesh = Arc::new(rock(level));
     let triangles = mesh.triangles.len();
     let geometry = Geometry::Mesh { mesh, world_from_mesh: DAffine3::IDENTITY, first_material: None };

@@ -1,5 +1,6 @@
 //! From the builder's nodes to those of the kernels, which hold the boxes of both their children.
 
+use bytemuck::zeroed_vec;
 use glam::Vec3A;
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
@@ -10,42 +11,58 @@ use rayon::prelude::*;
 use super::{Bounds, Hierarchy};
 
 /// Leaves in one child. More make a smaller hierarchy and a slower one.
-const LEAVES: u32 = 3;
+const LEAVES: usize = 3;
 /// A coordinate beyond all scenes.
 const NOWHERE: f32 = 1e30;
-/// Subtrees that threads share: many to each, because their sizes differ.
-const SUBTREES: usize = 256;
-/// Below this many leaves one thread is enough.
-const LARGE: usize = 1 << 13;
 /// How much larger boxes are made, in parts of the largest coordinate: sixteen roundings, for the kernels need twelve.
 const ROOM: f32 = 8.0 * f32::EPSILON;
 
-/// Translates a binary tree with its root at the front.
-pub(super) fn translate(nodes: &[Bvh2Node], order: &[u32]) -> Hierarchy {
-    let root = nodes[0].aabb();
-    let room = Vec3A::splat(ROOM * root.min.abs().max(root.max.abs()).max_element());
-    let tree = Tree { nodes, order, room };
-    if tree.is_leaf(0) {
+/// What the leaves of a tree hold, one each, by number.
+pub(super) struct Items {
+    /// Trees, which have the numbers from 0.
+    pub parts: Vec<Hierarchy>,
+    /// Indices of boxes, which have the numbers behind those.
+    pub alone: Vec<u32>,
+}
+
+/// Translates a binary tree, its root at the front, whose leaves hold the `items` of numbers `order`. Boxes become
+/// larger by `room`.
+pub(super) fn translate(nodes: &[Bvh2Node], order: &[u32], items: &Items, room: Vec3A) -> Hierarchy {
+    let tree = Tree { nodes, order, items, room };
+    if tree.item(0).is_some() {
         // A node has two children: this one's other is the same leaf again, so far away that no ray finds it.
-        let left = tree.child(0, 0, nodes[0].prim_count);
-        let right = BvhChild::new([[NOWHERE; 3]; 2], 0, left.count());
-        return Hierarchy { nodes: vec![BvhNode { left, right }], order: order.to_vec(), levels: 1 };
+        let left = tree.child(0, 0, 1);
+        let right = BvhChild::new([[NOWHERE; 3]; 2], 0, 1);
+        return Hierarchy { nodes: vec![BvhNode { left, right }], order: items.alone.clone(), levels: 1 };
     }
-    // Threads translate the subtrees below a cut, and one of them what is above.
-    let cut = if order.len() < LARGE { vec![] } else { tree.cut() };
-    let below: Vec<Hierarchy> = cut.par_iter().map(|&root| tree.below(root, &[], &[])).collect();
-    tree.below(0, &cut, &below)
+    let (top, links) = tree.top();
+    if links.is_empty() { top } else { join(top, &links, &items.parts) }
 }
 
 struct Tree<'a> {
     nodes: &'a [Bvh2Node],
     order: &'a [u32],
+    items: &'a Items,
     room: Vec3A,
 }
 
+/// What a leaf holds.
+enum Item {
+    /// The tree of this number.
+    Part(usize),
+    /// The box with this index.
+    Box(u32),
+}
+
 impl Tree<'_> {
-    fn is_leaf(&self, node: usize) -> bool {
-        self.nodes[node].prim_count > 0
+    /// What `node` holds, if it is a leaf.
+    fn item(&self, node: usize) -> Option<Item> {
+        let Items { parts, alone } = self.items;
+        let Bvh2Node { prim_count, first_index, .. } = self.nodes[node];
+        (prim_count > 0).then(|| {
+            let item = self.order[first_index as usize] as usize;
+            if item < parts.len() { Item::Part(item) } else { Item::Box(alone[item - parts.len()]) }
+        })
     }
 
     fn children(&self, node: usize) -> [usize; 2] {
@@ -53,33 +70,24 @@ impl Tree<'_> {
         [first, first + 1]
     }
 
-    /// The roots of disjoint subtrees that hold all, each too large for one child; the largest boxes are opened first.
-    fn cut(&self) -> Vec<usize> {
-        let mut roots = vec![0];
-        while roots.len() < SUBTREES {
-            let area = |i: usize| self.nodes[roots[i]].aabb().half_area();
-            let may_open = |&i: &usize| self.children(roots[i]).into_iter().all(|child| self.leaves(child) == 0);
-            let largest = (0..roots.len()).filter(may_open).max_by(|&a, &b| area(a).total_cmp(&area(b)));
-            let Some(largest) = largest else { break };
-            let [left, right] = self.children(roots[largest]);
-            roots[largest] = left;
-            roots.push(right);
+    /// Appends the boxes below `node` to `order` and returns how many they are, if they fit into one child; else 0.
+    fn gather(&self, node: usize, order: &mut Vec<u32>) -> u32 {
+        let before = order.len();
+        let fits = self.gather_some(node, before + LEAVES, order);
+        if !fits {
+            order.truncate(before);
         }
-        roots
+        (order.len() - before) as u32
     }
 
-    /// How many leaves there are below `node`, if they fit into one child; else 0.
-    fn leaves(&self, node: usize) -> u32 {
-        fn count(tree: &Tree<'_>, node: usize, so_far: u32) -> u32 {
-            if so_far > LEAVES || tree.is_leaf(node) {
-                return so_far + tree.nodes[node].prim_count.min(LEAVES + 1);
-            }
-            let [left, right] = tree.children(node);
-            let so_far = count(tree, left, so_far);
-            if so_far > LEAVES { so_far } else { count(tree, right, so_far) }
+    /// Appends the boxes below `node`, and stops where `order` would become longer than `most`.
+    fn gather_some(&self, node: usize, most: usize, order: &mut Vec<u32>) -> bool {
+        match self.item(node) {
+            Some(Item::Box(index)) => order.push(index),
+            Some(Item::Part(_)) => return false,
+            None => return self.children(node).into_iter().all(|child| self.gather_some(child, most, order)),
         }
-        let leaves = count(self, node, 0);
-        if leaves > LEAVES { 0 } else { leaves }
+        order.len() <= most
     }
 
     /// The box of `node` around `count` leaves from place `first` on, or around the node `first`.
@@ -87,22 +95,24 @@ impl Tree<'_> {
         around(self.nodes[node].aabb(), self.room, first as u32, count)
     }
 
-    /// The tree below `root`, which is no leaf; below the nodes `cut` it is already there.
-    fn below(&self, root: usize, cut: &[usize], known_trees: &[Hierarchy]) -> Hierarchy {
+    /// All above the parts, and where those hang; they count as levels already.
+    fn top(&self) -> (Hierarchy, Vec<Link>) {
         let mut made = Hierarchy { nodes: vec![BvhNode::default()], order: vec![], levels: 1 };
+        let mut links = vec![];
         // Where a node goes, its level, and what it is made of.
-        let mut waiting = vec![(0, 1, root)];
+        let mut waiting = vec![(0, 1, 0)];
         while let Some((place, level, node)) = waiting.pop() {
             made.levels = made.levels.max(level);
-            let [left, right] = self.children(node).map(|child| {
-                if let Some(known) = cut.iter().position(|known| *known == child) {
-                    let first = append(&mut made, level + 1, &known_trees[known]);
-                    return self.child(child, first, 0);
+            let children = self.children(node);
+            let [left, right] = children.map(|child| {
+                if let Some(Item::Part(part)) = self.item(child) {
+                    made.levels = made.levels.max(level + self.items.parts[part].levels);
+                    links.push(Link { node: place, right: child == children[1], part });
+                    return self.child(child, 0, 0);
                 }
-                let leaves = self.leaves(child);
+                let first = made.order.len();
+                let leaves = self.gather(child, &mut made.order);
                 if leaves > 0 {
-                    let first = made.order.len();
-                    self.gather(child, &mut made.order);
                     return self.child(child, first, leaves);
                 }
                 waiting.push((made.nodes.len(), level + 1, child));
@@ -111,32 +121,58 @@ impl Tree<'_> {
             });
             made.nodes[place] = BvhNode { left, right };
         }
-        made
+        (made, links)
     }
+}
 
-    /// Appends the leaves below `node`.
-    fn gather(&self, node: usize, order: &mut Vec<u32>) {
-        let it = &self.nodes[node];
-        if self.is_leaf(node) {
-            order.extend(&self.order[it.first_index as usize..][..it.prim_count as usize]);
-        } else {
-            self.children(node).into_iter().for_each(|child| self.gather(child, order));
-        }
+/// A child of `node`, left or right, that is the tree of the number `part`.
+struct Link {
+    node: usize,
+    right: bool,
+    part: usize,
+}
+
+/// One tree of a `top` and the `parts` that hang below it, which stand behind it in their order.
+fn join(mut top: Hierarchy, links: &[Link], parts: &[Hierarchy]) -> Hierarchy {
+    let (mut nodes, mut leaves) = (top.nodes.len(), top.order.len());
+    let mut places = Vec::with_capacity(parts.len());
+    for part in parts {
+        places.push((nodes as u32, leaves as u32));
+        nodes += part.nodes.len();
+        leaves += part.order.len();
     }
+    for &Link { node, right, part } in links {
+        let BvhNode { left, right: other } = &mut top.nodes[node];
+        let child = if right { other } else { left };
+        *child = BvhChild::new(child.corners(), places[part].0, 0);
+    }
+    // Zeros are no memory yet: each thread takes what it fills.
+    let mut all = Hierarchy { nodes: zeroed_vec(nodes), order: zeroed_vec(leaves), levels: top.levels };
+    let (above, mut nodes) = all.nodes.split_at_mut(top.nodes.len());
+    above.copy_from_slice(&top.nodes);
+    let (above, mut order) = all.order.split_at_mut(top.order.len());
+    above.copy_from_slice(&top.order);
+    let room = |part: &Hierarchy| {
+        let nodes = nodes.split_off_mut(..part.nodes.len()).unwrap_or_default();
+        (nodes, order.split_off_mut(..part.order.len()).unwrap_or_default())
+    };
+    let rooms: Vec<_> = parts.iter().map(room).collect();
+    rooms.into_par_iter().zip(parts).zip(places).for_each(|(((nodes, order), part), (first_node, first_leaf))| {
+        let moved = part.nodes.iter().map(|node| moved(node, first_node, first_leaf));
+        nodes.iter_mut().zip(moved).for_each(|(to, node)| *to = node);
+        order.copy_from_slice(&part.order);
+    });
+    all
+}
+
+/// How much larger boxes are made that have `all` around them.
+pub(super) fn room(all: Bounds) -> Vec3A {
+    Vec3A::splat(ROOM * all.0.abs().max(all.1.abs()).max_element())
 }
 
 /// A child whose box is `room` larger than `inside`.
 fn around(inside: &Aabb, room: Vec3A, first: u32, count: u32) -> BvhChild {
     BvhChild::new([(inside.min - room).to_array(), (inside.max + room).to_array()], first, count)
-}
-
-/// Puts the tree `part`, whose root is on `level`, behind `tree`; returns where its root is.
-fn append(tree: &mut Hierarchy, level: u32, part: &Hierarchy) -> usize {
-    let (nodes, leaves) = (tree.nodes.len(), tree.order.len());
-    tree.nodes.extend(part.nodes.iter().map(|node| moved(node, nodes as u32, leaves as u32)));
-    tree.order.extend(&part.order);
-    tree.levels = tree.levels.max(level + part.levels - 1);
-    nodes
 }
 
 /// A node whose nodes and leaves stand so many places further, modulo 2^32.
@@ -152,8 +188,7 @@ pub(crate) fn moved(node: &BvhNode, nodes: u32, leaves: u32) -> BvhNode {
 /// `first_place`.
 pub(super) fn refit(nodes: &[BvhNode], first_place: u32, order: &[u32], boxes: &[Option<Bounds>]) -> Vec<BvhNode> {
     let mut nodes = nodes.to_vec();
-    let all = boxes.iter().flatten().map(|bounds| bounds.aabb()).reduce(|a, b| a.union(&b)).unwrap_or(Aabb::empty());
-    let room = Vec3A::splat(ROOM * all.min.abs().max(all.max.abs()).max_element());
+    let room = room(boxes.iter().copied().flatten().fold(Bounds::EMPTY, Bounds::union));
     let mut boxes_of_nodes = vec![Aabb::empty(); nodes.len()];
     // Children stand behind their parents.
     for place in (0..nodes.len()).rev() {
