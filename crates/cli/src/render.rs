@@ -165,9 +165,8 @@ impl Job<'_> {
 
     /// What the layers and the denoiser need to know of first surfaces.
     fn features(&self, renderer: &mut Renderer, interrupted: &AtomicBool, film: &Film) -> Result<Features, Failure> {
-        let guides = [Aov::Albedo, Aov::Normal];
-        let aovs = self.aovs.iter().chain(guides.iter().filter(|_| self.denoise));
-        let wanted: Vec<_> = aovs.flat_map(|aov| aov.features()).copied().collect();
+        let guides: &[_] = if self.denoise { &Features::GUIDES } else { &[] };
+        let wanted: Vec<_> = self.aovs.iter().flat_map(|aov| aov.features()).chain(guides).copied().collect();
         // The mean number, where parts of the picture have more than others; an early end ends these films early too.
         let samples = (film.samples() / film.pixels().len() as u64).clamp(1, MOST_FEATURE_SAMPLES) as u32;
         let proceed =

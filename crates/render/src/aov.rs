@@ -122,6 +122,9 @@ impl Aov {
 }
 
 impl Features {
+    /// What a denoiser is guided by: [`Features::albedos`] and [`Features::normals`] are made from these.
+    pub const GUIDES: [Feature; 3] = [Feature::Albedo, Feature::Normal, Feature::Hit];
+
     /// Renders each of `wanted` once, with `samples` samples a pixel, or at least one if `proceed`, which is asked after
     /// each portion, no longer lets it. The film that is shown stays as it is.
     pub fn render(

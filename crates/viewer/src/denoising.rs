@@ -3,14 +3,13 @@
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use raggio_denoise::{DenoiseError, Denoiser, Guides, Noisy};
-use raggio_render::{Display, Feature, Features, Image, Pixels};
+use raggio_render::{Display, Features, Image, Pixels};
 
 use crate::error::ViewError;
 use crate::tracer::Tracer;
 use crate::wake::Wake;
 
-/// Films that guide the denoiser, and the samples that each of their pixels takes: it is edges alone that are noisy.
-const GUIDES: [Feature; 3] = [Feature::Albedo, Feature::Normal, Feature::Hit];
+/// Samples that each pixel of the guides takes: it is edges alone that are noisy.
 const GUIDE_SAMPLES: u32 = 16;
 
 /// What is to be denoised.
@@ -81,7 +80,7 @@ impl Denoising {
         if self.guided || !self.is_due(tracer) {
             return Ok(false);
         }
-        self.guided = tracer.gather(&mut self.features, &GUIDES, GUIDE_SAMPLES, seconds)?;
+        self.guided = tracer.gather(&mut self.features, &Features::GUIDES, GUIDE_SAMPLES, seconds)?;
         Ok(true)
     }
 
