@@ -19,7 +19,6 @@ demo: setup ## build raggio and render its showcase
 	$(env) cargo run --release --bin raggio -- demo
 
 test: setup-tests ## build and run all tests
-	$(env) cargo build --release --workspace
 	$(env) cargo test --release --workspace
 
 gallery: setup ## render the pictures of the documentation

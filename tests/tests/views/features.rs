@@ -115,6 +115,8 @@ fn hidden_boundaries_are_looked_through() {
          [[shapes]]\nmaterial = \"glass\"\nsphere = { center = [0, 0, -1.5], radius = 0.5 }\n
          [[shapes]]\nmaterial = \"wall\"\nrectangle = { corner = [-5, -5, -3], edge_u = [10, 0, 0], edge_v = [0, 10, 0] }\n",
     );
+    let shape_of_place = DeviceScene::new(&scene).expect("it is translated").shape_of_place;
+    let wall = shape_of_place.iter().position(|shape| *shape == 2).expect("the wall is there") as f64;
     for_each_device(|device| {
         let mut session = load(device.device, &scene);
         for feature in FEATURES {
@@ -133,7 +135,8 @@ fn hidden_boundaries_are_looked_through() {
                     Feature::Depth => DVec3::splat(3.0 * direction.length()),
                     Feature::PlaneDepth => DVec3::splat(3.0),
                     Feature::Position => 3.0 * direction,
-                    Feature::Object | Feature::Material => DVec3::splat(3.0),
+                    Feature::Object => DVec3::splat(wall + 1.0),
+                    Feature::Material => DVec3::splat(3.0),
                 };
                 let error = relative_difference(found[place], expected);
                 assert!(error < 1e-6, "{what}: expected {expected}, found {}", found[place]);
