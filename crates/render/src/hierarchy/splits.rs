@@ -2,7 +2,8 @@
 
 use std::collections::VecDeque;
 
-use glam::{BVec3A, Vec3A};
+use glam::Vec3A;
+use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
@@ -24,10 +25,7 @@ struct Item {
 pub(super) fn split(boxes: &[Bounds]) -> Bvh2 {
     let mut items: Vec<Item> = (0..)
         .zip(boxes)
-        .map(|(index, bounds)| {
-            let around = Aabb::new(bounds.0.into(), bounds.1.into());
-            Item { around, center: bounds.center().into(), index }
-        })
+        .map(|(index, bounds)| Item { around: bounds.aabb(), center: bounds.center().into(), index })
         .collect();
     let mut nodes = Vec::with_capacity(2 * items.len());
     nodes.push(Bvh2Node::default());
@@ -76,9 +74,8 @@ struct Slices {
     /// Along each axis.
     count: usize,
     first: Vec3A,
+    /// 0 along axes that cannot be divided.
     per_unit: Vec3A,
-    /// Axes along which there is more than one slice.
-    axes: BVec3A,
 }
 
 impl Slices {
@@ -89,8 +86,8 @@ impl Slices {
         // A little less, for the last center belongs to the last slice.
         let count = SLICES.min(2 * items.len());
         let per_unit = count as f32 * (1.0 - 4.0 * f32::EPSILON) / (last - first);
-        let axes = per_unit.cmpgt(Vec3A::ZERO) & per_unit.is_finite_mask();
-        Self { count, first, per_unit: Vec3A::select(axes, per_unit, Vec3A::ZERO), axes }
+        let divided = per_unit.cmpgt(Vec3A::ZERO) & per_unit.is_finite_mask();
+        Self { count, first, per_unit: Vec3A::select(divided, per_unit, Vec3A::ZERO) }
     }
 
     fn of(&self, item: &Item) -> [usize; 3] {
@@ -113,7 +110,7 @@ impl Slices {
             }
         }
         let mut best = (f32::INFINITY, None);
-        for axis in (0..3).filter(|&axis| self.axes.test(axis)) {
+        for axis in (0..3).filter(|&axis| self.per_unit[axis] > 0.0) {
             let add = |sum: &mut (Aabb, u32), slice: &(Aabb, u32)| {
                 *sum = (sum.0.union(&slice.0), sum.1 + slice.1);
                 Some(sum.0.half_area() * sum.1 as f32)
