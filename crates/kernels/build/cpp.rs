@@ -2,48 +2,154 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
+use std::process::Command;
 
-use crate::slang::Modules;
+use crate::cache::Cache;
 use crate::slangc::ENTRY_POINTS;
 
-/// Name in Rust, suffix of symbols, compiler flag.
-type Level = (&'static str, &'static str, Option<&'static str>);
+/// Level of instruction set that kernels are compiled for.
+#[derive(Clone, Copy)]
+pub struct Level {
+    /// Variant of the host's `InstructionSet`.
+    name: &'static str,
+    /// Ending of the symbols, and the level's name in `RAGGIO_KERNEL_LEVELS`.
+    suffix: &'static str,
+    /// Option of the C++ compiler.
+    flag: Option<&'static str>,
+    /// Whether a read outside a buffer ends the program.
+    checked: bool,
+}
 
-/// The most capable first. `RAGGIO_KERNEL_LEVEL=v3`, say, builds one alone where there are several, which is quicker while
-/// kernels are written.
-fn levels() -> Vec<Level> {
-    println!("cargo:rerun-if-env-changed=RAGGIO_KERNEL_LEVEL");
-    let only = std::env::var("RAGGIO_KERNEL_LEVEL").ok();
+/// Levels to build, the most capable first: those that `RAGGIO_KERNEL_LEVELS` lists, separated by commas, or by default
+/// all but `checked`. `native` is the best that this machine has, and `all` includes `checked`.
+pub fn levels() -> Result<Vec<Level>, String> {
+    println!("cargo:rerun-if-env-changed=RAGGIO_KERNEL_LEVELS");
     let all = all_levels();
-    let wanted = |level: &Level| all.len() == 1 || only.as_deref().is_none_or(|only| level.1 == only);
-    all.iter().copied().filter(wanted).collect()
+    let wanted = std::env::var("RAGGIO_KERNEL_LEVELS").unwrap_or_default();
+    let mut names: Vec<&str> = wanted.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
+    if let Some(native) = names.iter_mut().find(|name| **name == "native") {
+        *native = native_level();
+    }
+    let known = |name: &&str| *name == "all" || all.iter().any(|level| level.suffix == *name);
+    if let Some(name) = names.iter().find(|name| !known(name)) {
+        let levels: Vec<_> = all.iter().map(|level| level.suffix).chain(["native", "all"]).collect();
+        return Err(format!("RAGGIO_KERNEL_LEVELS names `{name}`, and there are {}", levels.join(", ")));
+    }
+    let built = |level: &&Level| match &names[..] {
+        [] => !level.checked,
+        names => names.iter().any(|name| *name == "all" || level.suffix == *name),
+    };
+    Ok(all.iter().filter(built).copied().collect())
 }
 
-fn all_levels() -> &'static [Level] {
+fn all_levels() -> Vec<Level> {
+    let level = |name, suffix, flag| Level { name, suffix, flag, checked: false };
     match std::env::var("CARGO_CFG_TARGET_ARCH").as_deref() {
-        Ok("x86_64") => &[
-            ("X86V4", "v4", Some("-march=x86-64-v4")),
-            ("X86V3", "v3", Some("-march=x86-64-v3")),
-            ("X86V2", "v2", Some("-march=x86-64-v2")),
+        Ok("x86_64") => vec![
+            level("X86V4", "v4", Some("-march=x86-64-v4")),
+            level("X86V3", "v3", Some("-march=x86-64-v3")),
+            level("X86V2", "v2", Some("-march=x86-64-v2")),
+            Level { checked: true, ..level("Checked", "checked", Some("-march=x86-64-v2")) },
         ],
-        _ => &[("Baseline", "baseline", None)],
+        _ => vec![level("Baseline", "baseline", None), Level { checked: true, ..level("Checked", "checked", None) }],
     }
 }
 
-pub fn compile(modules: &Modules, out: &Path) -> Result<(), String> {
-    let generated = std::fs::read_to_string(&modules.cpp).map_err(|e| format!("cannot read slangc's C++: {e}"))?;
-    // slangc puts its prelude at the head of the file; the prelude ends with its last conditional.
-    let end = generated.rfind("#endif").map(|i| i + "#endif".len()).ok_or("slangc's C++ has no prelude")?;
-    let (prelude, kernels) = generated.split_at(end);
-    write(&out.join("slang_prelude.h"), prelude)?;
-    write(&out.join("kernels.inc"), &inlined(kernels))?;
-
-    for (_, suffix, flag) in levels() {
-        let unit = out.join(format!("kernels_{suffix}.cpp"));
-        write(&unit, &translation_unit(suffix))?;
-        compile_unit(&unit, out, suffix, flag)?;
+/// The best level that the machine which builds has.
+#[cfg(target_arch = "x86_64")]
+fn native_level() -> &'static str {
+    use std::arch::is_x86_feature_detected as has;
+    if std::env::var("HOST") != std::env::var("TARGET") {
+        return "all";
     }
-    write(&out.join("cpu_table.rs"), &table())
+    if has!("avx512f") && has!("avx512bw") && has!("avx512cd") && has!("avx512dq") && has!("avx512vl") {
+        "v4"
+    } else if has!("avx2")
+        && has!("fma")
+        && has!("bmi1")
+        && has!("bmi2")
+        && has!("f16c")
+        && has!("lzcnt")
+        && has!("movbe")
+    {
+        "v3"
+    } else {
+        "v2"
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn native_level() -> &'static str {
+    "all"
+}
+
+/// slangc's C++, as the C++ compiler gets it.
+pub struct Sources {
+    prelude: String,
+    kernels: String,
+}
+
+impl Sources {
+    /// Splits the file `generated` into prelude and kernels, and writes both into the folder `out`.
+    pub fn split(generated: &Path, out: &Path) -> Result<Self, String> {
+        let text = std::fs::read_to_string(generated).map_err(|e| format!("cannot read slangc's C++: {e}"))?;
+        // slangc puts its prelude at the head of the file; the prelude ends with its last conditional.
+        let end = text.rfind("#endif").map(|i| i + "#endif".len()).ok_or("slangc's C++ has no prelude")?;
+        let (prelude, kernels) = text.split_at(end);
+        let sources = Self { prelude: prelude.into(), kernels: inlined(kernels)? };
+        write(&out.join("slang_prelude.h"), &sources.prelude)?;
+        write(&out.join("kernels.inc"), &sources.kernels)?;
+        Ok(sources)
+    }
+
+    /// Compiles the kernels for `level` into a library in the folder `out`, and has it linked.
+    pub fn compile(&self, cache: &Cache, level: &Level, out: &Path) -> Result<(), String> {
+        let library = format!("raggio_kernels_{}", level.suffix);
+        let unit = out.join(format!("{library}.cpp"));
+        let text = translation_unit(level.suffix);
+        write(&unit, &text)?;
+
+        let mut build = cc::Build::new();
+        build.cpp(true).std("c++17").opt_level(3).debug(false).warnings(false).include(out).file(&unit);
+        // Kernels use nothing of the C++ library. Lines for cargo are printed below, where results are kept too.
+        build.cargo_metadata(false).cpp_link_stdlib(None);
+        if level.checked {
+            build.define("SLANG_PRELUDE_ENABLE_ASSERT", None);
+        }
+        // No fused multiply-add, so that every instruction set gives the same bits. No fast-math: NaN must stay NaN.
+        for option in ["-fno-math-errno", "-fno-trapping-math", "-fno-strict-aliasing", "-ffp-contract=off"] {
+            build.flag_if_supported(option);
+        }
+        build.flag_if_supported("-fno-exceptions").flag_if_supported("-fno-rtti");
+        if let Some(flag) = level.flag {
+            build.flag(flag);
+        }
+        let failed = |e: cc::Error| {
+            format!(
+                "the C++ compiler that builds the CPU kernels failed or is missing: install g++ or clang++ (Debian and Ubuntu: apt install g++; Fedora: dnf install gcc-c++; macOS: xcode-select --install), or name it in $CXX. {e}"
+            )
+        };
+
+        let compiler = build.try_get_compiler().map_err(failed)?;
+        let version = Command::new(compiler.path()).arg("--version").output().map(|output| output.stdout);
+        let flags = compiler.args();
+        let recipe = format!("{:?} {flags:?} {:?} {}", compiler.path(), level.flag, level.checked);
+        let version = String::from_utf8_lossy(&version.unwrap_or_default()).into_owned();
+        let file = if compiler.is_like_msvc() { format!("{library}.lib") } else { format!("lib{library}.a") };
+        cache.get(&[&version, &recipe, &text, &self.prelude, &self.kernels], out, &[file], || {
+            build.try_compile(&library).map_err(failed)
+        })?;
+
+        println!("cargo:rustc-link-search=native={}", out.display());
+        println!("cargo:rustc-link-lib=static={library}");
+        let target = std::env::var("TARGET").unwrap_or_default();
+        for variable in ["CXX", "CXXFLAGS"] {
+            println!("cargo:rerun-if-env-changed={variable}");
+            println!("cargo:rerun-if-env-changed={variable}_{target}");
+            println!("cargo:rerun-if-env-changed={variable}_{}", target.replace('-', "_"));
+        }
+        Ok(())
+    }
 }
 
 /// Functions, by how their names begin, that are long and called from several places: a call costs little beside what
@@ -74,7 +180,9 @@ const CALLED: [&str; 21] = [
 
 /// Every other function into its callers, which doubles the speed: the vectors of the generated code stay in registers.
 /// slangc exports the constructors it makes up; they become local like the rest, or the levels' symbols would collide.
-fn inlined(kernels: &str) -> String {
+/// A name in [`CALLED`] that no function begins with is an error: what was meant has another name by now.
+fn inlined(kernels: &str) -> Result<String, String> {
+    let mut unused = Vec::from(CALLED);
     let mut text = String::with_capacity(2 * kernels.len());
     for line in kernels.replace("extern \"C\"\n", "static ").lines() {
         let Some(declaration) = line.strip_prefix("static ") else {
@@ -83,11 +191,17 @@ fn inlined(kernels: &str) -> String {
             continue;
         };
         let name = declaration.split('(').next().and_then(|head| head.rsplit([' ', '*']).next()).unwrap_or_default();
+        unused.retain(|start| !name.starts_with(start));
         let called = CALLED.iter().any(|start| name.starts_with(start));
         let kind = if called { "noinline" } else { "always_inline" };
         let _ = writeln!(text, "static {}__attribute__(({kind})) {declaration}", if called { "" } else { "inline " });
     }
-    text
+    match &unused[..] {
+        [] => Ok(text),
+        names => Err(format!(
+            "no function of the kernels begins with {names:?}: correct CALLED in crates/kernels/build/cpp.rs"
+        )),
+    }
 }
 
 fn translation_unit(suffix: &str) -> String {
@@ -118,42 +232,22 @@ fn translation_unit(suffix: &str) -> String {
     text
 }
 
-fn compile_unit(unit: &Path, out: &Path, suffix: &str, flag: Option<&str>) -> Result<(), String> {
-    let mut build = cc::Build::new();
-    build.cpp(true).std("c++17").opt_level(3).warnings(false).include(out).file(unit);
-    println!("cargo:rerun-if-env-changed=RAGGIO_KERNEL_ASSERTS");
-    if std::env::var_os("RAGGIO_KERNEL_ASSERTS").is_some() {
-        build.define("SLANG_PRELUDE_ENABLE_ASSERT", None);
-    }
-    // No fused multiply-add, so that every instruction set gives the same bits. No fast-math: NaN must stay NaN.
-    for option in ["-fno-math-errno", "-fno-trapping-math", "-fno-strict-aliasing", "-ffp-contract=off"] {
-        build.flag_if_supported(option);
-    }
-    if let Some(flag) = flag {
-        build.flag(flag);
-    }
-    build.try_compile(&format!("raggio_kernels_{suffix}")).map_err(|e| {
-        format!(
-            "the C++ compiler that builds the CPU kernels failed or is missing: install g++ or clang++ (Debian and Ubuntu: apt install g++; Fedora: dnf install gcc-c++; macOS: xcode-select --install), or name it in $CXX. {e}"
-        )
-    })
-}
-
-/// Rust declarations of the compiled entry points and the choice among them.
-fn table() -> String {
+/// Writes `cpu_table.rs`: Rust declarations of the compiled entry points and the choice among them.
+pub fn write_table(levels: &[Level], out: &Path) -> Result<(), String> {
     let mut text = String::from("unsafe extern \"C\" {\n");
-    for (_, suffix, _) in levels() {
+    for Level { suffix, .. } in levels {
         for entry in ENTRY_POINTS {
             let _ = writeln!(text, "    fn raggio_{entry}_{suffix}(groups: *const [u32; 3], globals: *const u64);");
         }
     }
-    text += "}\n\n/// The levels that this build contains, the most capable first.\npub const BUILT: &[InstructionSet] = &[";
-    for (name, _, _) in levels() {
+    text +=
+        "}\n\n/// Levels that this build contains, the most capable first.\npub const BUILT: &[InstructionSet] = &[";
+    for Level { name, .. } in levels {
         let _ = write!(text, "InstructionSet::{name}, ");
     }
     text +=
         "];\n\nfn entry_point(set: InstructionSet, entry: EntryPoint) -> Option<Kernel> {\n    match (set, entry) {\n";
-    for (name, suffix, _) in levels() {
+    for Level { name, suffix, .. } in levels {
         for entry in ENTRY_POINTS {
             let variant = entry[..1].to_uppercase() + &entry[1..];
             let _ = writeln!(
@@ -163,7 +257,7 @@ fn table() -> String {
         }
     }
     text += "        #[allow(unreachable_patterns)]\n        _ => None,\n    }\n}\n";
-    text
+    write(&out.join("cpu_table.rs"), &text)
 }
 
 fn write(path: &Path, text: &str) -> Result<(), String> {

@@ -7,12 +7,12 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::declarations::{Declarations, Enumeration};
-use crate::slang::Modules;
 
-pub fn generate(modules: &Modules, out: &Path) -> Result<(), String> {
-    let declarations = Declarations::read(&modules.kernels)?;
-    let cpp = parameters(&modules.cpp_reflection)?;
-    let spirv = parameters(&modules.spirv_reflection)?;
+/// Writes `layout.rs` and `declarations.txt` into the folder `out`.
+pub fn generate(kernels: &Path, cpp_reflection: &Path, spirv_reflection: &Path, out: &Path) -> Result<(), String> {
+    let declarations = Declarations::read(kernels)?;
+    let cpp = parameters(cpp_reflection)?;
+    let spirv = parameters(spirv_reflection)?;
 
     let mut types = Types::default();
     let mut text = String::new();

@@ -1,8 +1,10 @@
 //! Kernels in Slang -> SPIR-V, machine code for the CPU, and the Rust twins of their structures.
 
+mod cache;
 mod cpp;
 #[path = "../src/compile/declarations.rs"]
 mod declarations;
+mod jobs;
 mod layout;
 mod slang;
 #[path = "../src/compile/slangc.rs"]
@@ -10,20 +12,43 @@ mod slangc;
 
 use std::path::{Path, PathBuf};
 
+use cache::Cache;
+use jobs::Jobs;
+use slang::Slang;
+use slangc::{Target, VARIANTS};
+
 fn main() {
     let out = PathBuf::from(std::env::var("OUT_DIR").expect("cargo sets OUT_DIR"));
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     println!("cargo:rerun-if-changed=build");
     println!("cargo:rerun-if-changed=src/compile");
-
-    let outcome = slang::compile(&workspace, &out).and_then(|modules| {
-        layout::generate(&modules, &out)?;
-        cpp::compile(&modules, &out)
-    });
-    if let Err(message) = outcome {
+    if let Err(message) = build(&out) {
         // Cargo shows this line even where it folds the rest of a failed build script's output.
         println!("cargo::error={}", message.replace('\n', " "));
         eprintln!("\nerror: {message}\n");
         std::process::exit(1);
     }
+}
+
+/// Compiles all there is to compile. The machine code waits for the C++ alone, and the SPIR-V for nothing.
+fn build(out: &Path) -> Result<(), String> {
+    let slang = Slang::find(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))?;
+    let (cache, jobs) = (Cache::beside(out), Jobs::from_cargo());
+    let (cpp, spirv) = (out.join("kernels.generated.cpp"), out.join("kernels.spv"));
+    let levels = cpp::levels()?;
+
+    std::thread::scope(|scope| {
+        let machine_code = scope.spawn(|| {
+            jobs.run(|| slang.compile(&cache, Target::Cpp, &cpp))?;
+            let sources = cpp::Sources::split(&cpp, out)?;
+            jobs.run_all(levels.iter().map(|level| || sources.compile(&cache, level, out)))?;
+            cpp::write_table(&levels, out)
+        });
+        jobs.run_all(VARIANTS.iter().enumerate().map(|(variant, (ending, _))| {
+            let code = spirv.with_extension(ending);
+            let (slang, cache) = (&slang, &cache);
+            move || slang.compile(cache, Target::Spirv(variant), &code)
+        }))?;
+        machine_code.join().expect("compiling does not panic")
+    })?;
+    layout::generate(&slang.kernels, &cpp.with_extension("json"), &spirv.with_extension("json"), out)
 }

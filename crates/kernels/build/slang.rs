@@ -2,43 +2,57 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::slangc;
+use crate::cache::Cache;
+use crate::slangc::{self, Target};
 
-/// What the two runs of the compiler left behind.
-pub struct Modules {
+/// `slangc`, the kernels it compiles, and all that its results depend on.
+pub struct Slang {
+    slangc: PathBuf,
+    /// Folder of the kernels.
     pub kernels: PathBuf,
-    pub cpp: PathBuf,
-    pub cpp_reflection: PathBuf,
-    pub spirv_reflection: PathBuf,
+    /// Version of the compiler, then names and texts of the kernels.
+    key: String,
 }
 
-pub fn compile(workspace: &Path, out: &Path) -> Result<Modules, String> {
-    for variable in ["SLANGC", "VULKAN_SDK"] {
-        println!("cargo:rerun-if-env-changed={variable}");
+impl Slang {
+    pub fn find(workspace: &Path) -> Result<Self, String> {
+        for variable in ["SLANGC", "VULKAN_SDK"] {
+            println!("cargo:rerun-if-env-changed={variable}");
+        }
+        let slangc = slangc::find(workspace, |warning| println!("cargo::warning={warning}"))?;
+        let kernels = workspace.join("kernels");
+        println!("cargo:rerun-if-changed={}", kernels.display());
+        let mut key = slangc::version(&slangc).unwrap_or_default();
+        read(&kernels, &mut key).map_err(|e| format!("cannot read {}: {e}", kernels.display()))?;
+        Ok(Self { slangc, kernels, key })
     }
-    let slangc = slangc::find(workspace, |warning| println!("cargo::warning={warning}"))?;
-    let kernels = workspace.join("kernels");
-    let (cpp, spirv) = (out.join("kernels.generated.cpp"), out.join("kernels.spv"));
-    let messages = [
-        slangc::compile(&slangc, &kernels, &["-target", "cpp"], &cpp)?,
-        slangc::compile_spirv(&slangc, &kernels, &spirv)?,
-    ];
-    for line in messages.iter().flat_map(|text| text.lines()).filter(|line| line.starts_with("warning")) {
-        println!("cargo::warning={line}");
+
+    /// Compiles the kernels for `target` into `code`; their reflection stands beside it, with the ending `json`.
+    pub fn compile(&self, cache: &Cache, target: Target, code: &Path) -> Result<(), String> {
+        let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let files = [name(code), name(&code.with_extension("json"))];
+        let (key, out) = ([&self.key, &*format!("{target:?}")], code.parent().unwrap_or(Path::new("")));
+        cache.get(&key, out, &files, || {
+            let messages = slangc::compile(&self.slangc, &self.kernels, target, code)?;
+            for line in messages.lines().filter(|line| line.starts_with("warning")) {
+                println!("cargo::warning={line}");
+            }
+            Ok(())
+        })
     }
-    watch(&cpp.with_extension("d"))?;
-    watch(&spirv.with_extension("d"))?;
-    let (cpp_reflection, spirv_reflection) = (cpp.with_extension("json"), spirv.with_extension("json"));
-    Ok(Modules { kernels, cpp, cpp_reflection, spirv_reflection })
 }
 
-/// Tells cargo which files the compiler read.
-fn watch(depfile: &Path) -> Result<(), String> {
-    let text = std::fs::read_to_string(depfile).map_err(|e| format!("cannot read slangc's dependencies: {e}"))?;
-    let (_, files) = text.split_once(": ").ok_or("slangc's dependencies have no target")?;
-    // As in a makefile, a space inside a name has a backslash before it.
-    for file in files.replace("\\ ", "\0").split_whitespace() {
-        println!("cargo:rerun-if-changed={}", file.replace('\0', " "));
+/// Appends names and texts of all files in `folder`, in the order of their names.
+fn read(folder: &Path, text: &mut String) -> std::io::Result<()> {
+    let mut entries = std::fs::read_dir(folder)?.collect::<Result<Vec<_>, _>>()?;
+    entries.sort_by_key(|entry| entry.file_name());
+    for entry in entries {
+        *text += &format!("\0{}\0", entry.file_name().to_string_lossy());
+        if entry.file_type()?.is_dir() {
+            read(&entry.path(), text)?
+        } else {
+            *text += &std::fs::read_to_string(entry.path())?
+        }
     }
     Ok(())
 }

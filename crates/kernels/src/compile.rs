@@ -11,6 +11,7 @@ use serde_json::Value;
 
 use crate::Spirv;
 use declarations::Declarations;
+use slangc::Target;
 
 /// The folder of the kernels that this program was built with, as it was called then.
 pub const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../kernels");
@@ -51,11 +52,20 @@ fn compile(folder: &Path) -> Result<(Spirv, Vec<String>), String> {
 
     let room = tempfile::tempdir().map_err(|e| format!("cannot make a temporary folder: {e}"))?;
     let output = room.path().join("kernels.spv");
-    slangc::compile_spirv(&slangc, &kernels, &output)?;
     let lost = |e: std::io::Error| format!("cannot read what slangc wrote: {e}");
+    let compile = |variant: usize| {
+        let code = output.with_extension(slangc::VARIANTS[variant].0);
+        slangc::compile(&slangc, &kernels, Target::Spirv(variant), &code)?;
+        std::fs::read(code).map_err(lost)
+    };
+    let modules: Vec<_> = std::thread::scope(|scope| {
+        let compile = &compile;
+        let threads = [0, 1, 2, 3].map(|variant| scope.spawn(move || compile(variant)));
+        threads.into_iter().map(|thread| thread.join().expect("compiling does not panic")).collect()
+    });
     let mut spirv = crate::SPIRV;
-    for (code, (ending, _)) in spirv.0.iter_mut().zip(slangc::VARIANTS) {
-        *code = std::fs::read(output.with_extension(ending)).map_err(lost)?.into();
+    for (code, module) in spirv.0.iter_mut().zip(modules) {
+        *code = module?.into();
     }
     let reflection = std::fs::read_to_string(output.with_extension("json")).map_err(lost)?;
     let shared = shared_with_host(&reflection, &Declarations::read(&kernels)?.text())?;

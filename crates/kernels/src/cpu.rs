@@ -18,12 +18,16 @@ pub enum InstructionSet {
     X86V2,
     /// What every processor of the architecture has.
     Baseline,
+    /// The least of the architecture's levels with bounds checks, for tests: a read outside a buffer ends the program.
+    /// Builds contain it where `RAGGIO_KERNEL_LEVELS` asks for it.
+    Checked,
 }
 
 impl InstructionSet {
     /// The most capable level that this build contains and this processor has; `None` on processors too old for any.
+    /// Bounds checks are never the best.
     pub fn best() -> Option<Self> {
-        Self::available().first().copied()
+        Self::available().into_iter().find(|set| *set != Self::Checked)
     }
 
     /// All levels that this build contains and this processor has, the most capable first.
@@ -38,6 +42,7 @@ impl InstructionSet {
             Self::X86V3 => "x86-64-v3",
             Self::X86V2 => "x86-64-v2",
             Self::Baseline => std::env::consts::ARCH,
+            Self::Checked => "checked",
         }
     }
 
@@ -57,14 +62,14 @@ impl InstructionSet {
         match self {
             Self::X86V4 => v4,
             Self::X86V3 => v3,
-            Self::X86V2 => v2,
+            Self::X86V2 | Self::Checked => v2,
             Self::Baseline => true,
         }
     }
 
     #[cfg(not(target_arch = "x86_64"))]
     fn supported(self) -> bool {
-        self == Self::Baseline
+        matches!(self, Self::Baseline | Self::Checked)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The same samples make the same picture, bit for bit, however they are divided; and the film loses none.
 
 mod bands;
+mod bounds;
 mod devices_agree;
 mod divided;
 mod film;

@@ -18,21 +18,31 @@ pub const VARIANTS: [(&str, &[&str]); 4] = [
     ("simple.wide.spv", &["-DSIMPLE", "-DADDRESSES"]),
 ];
 
-/// Compiles the entry points of `kernels` to SPIR-V, in all variants, as [`compile`] does.
-pub fn compile_spirv(slangc: &Path, kernels: &Path, code: &Path) -> Result<String, String> {
-    let target = ["-target", "spirv", "-O0", "-fvk-use-entrypoint-name", "-DSPIRV"];
-    let mut messages = String::new();
-    for (ending, defines) in VARIANTS {
-        let code = code.with_extension(ending);
-        messages += &compile(slangc, kernels, &[&target[..], defines].concat(), &code)?;
-        drop_source_language(&code)?;
-    }
-    Ok(messages)
+/// Language that the kernels are compiled to.
+#[derive(Clone, Copy, Debug)]
+pub enum Target {
+    /// C++, for the host's compiler. Programs that are built have their machine code already.
+    #[allow(dead_code)]
+    Cpp,
+    /// SPIR-V of the variant at this place of [`VARIANTS`].
+    Spirv(usize),
 }
 
-/// Compiles the entry points of `kernels` into the file `code`; what it reflects and which files it read stand beside
-/// that, with the endings `json` and `d`. What the compiler says of kernels that it takes is returned.
-pub fn compile(slangc: &Path, kernels: &Path, target: &[&str], code: &Path) -> Result<String, String> {
+impl Target {
+    fn arguments(self) -> Vec<&'static str> {
+        match self {
+            Self::Cpp => vec!["-target", "cpp"],
+            Self::Spirv(variant) => {
+                let target = ["-target", "spirv", "-O0", "-fvk-use-entrypoint-name", "-DSPIRV"];
+                [&target, VARIANTS[variant].1].concat()
+            }
+        }
+    }
+}
+
+/// Compiles the entry points of `kernels` into the file `code`; their reflection stands beside that, with the ending
+/// `json`. Warnings of the compiler are returned.
+pub fn compile(slangc: &Path, kernels: &Path, target: Target, code: &Path) -> Result<String, String> {
     let mut command = Command::new(slangc);
     for entry in ENTRY_POINTS {
         command.arg(kernels.join(format!("entry/{entry}.slang")));
@@ -42,11 +52,17 @@ pub fn compile(slangc: &Path, kernels: &Path, target: &[&str], code: &Path) -> R
     command.args(["-fvk-use-c-layout", "-matrix-layout-row-major"]);
     // 41035 warns of arrays that are filled as they are used, such as the traversal's stack.
     command.args(["-line-directive-mode", "none", "-warnings-disable", "41035"]);
-    command.args(target).arg("-o").arg(code);
-    command.arg("-reflection-json").arg(code.with_extension("json")).arg("-depfile").arg(code.with_extension("d"));
+    command.args(target.arguments()).arg("-o").arg(code);
+    command.arg("-reflection-json").arg(code.with_extension("json"));
     let result = command.output().map_err(|e| format!("cannot run {}: {e}", slangc.display()))?;
     let messages = String::from_utf8_lossy(&result.stderr).into_owned();
-    if result.status.success() { Ok(messages) } else { Err(format!("slangc failed:\n{messages}")) }
+    if !result.status.success() {
+        return Err(format!("slangc failed:\n{messages}"));
+    }
+    if let Target::Spirv(_) = target {
+        drop_source_language(code)?;
+    }
+    Ok(messages)
 }
 
 /// Removes OpSource, a note on the source language: validation layers older than Slang take its number for an error.
@@ -103,7 +119,8 @@ pub fn find(workspace: &Path, warn: impl FnOnce(String)) -> Result<PathBuf, Stri
     Ok(path)
 }
 
-fn version(slangc: &Path) -> Option<String> {
+/// Version of `slangc` as it prints it; `None` where it does not run.
+pub fn version(slangc: &Path) -> Option<String> {
     let output = Command::new(slangc).arg("-v").output().ok()?;
     // Some versions print it on standard error.
     let text = [output.stdout, output.stderr].concat();
