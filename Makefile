@@ -1,13 +1,18 @@
 # Every target that builds first sees to it that the machine can: setup takes a moment when all is there.
 .DEFAULT_GOAL := help
 .NOTPARALLEL: # cargo uses all cores by itself, and two set-ups at once would collide
-.PHONY: help setup setup-tests demo test gallery bench lint clean
+.PHONY: help setup setup-tests demo install uninstall test test-long gallery bench lint clean
 
 env := . scripts/env.sh &&
+# Tests also run the CPU kernels with bounds checks.
+test_env := $(env) RAGGIO_KERNEL_LEVELS=all
+
+PREFIX ?= $(HOME)/.local
+target := $${CARGO_TARGET_DIR:-target}
 
 help: ## list these targets
 	@echo "raggio, a progressive path tracer. Targets:"
-	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1	\2/p' Makefile
+	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1	\2/p' Makefile
 
 setup: ## install what is missing: slangc and Python tools into .venv
 	@bash scripts/setup.sh
@@ -16,10 +21,23 @@ setup-tests: # setup, and a software Vulkan device where root can install one
 	@bash scripts/setup.sh --tests
 
 demo: setup ## build raggio and render its showcase
-	$(env) cargo run --release --bin raggio -- demo
+	@# Without the window, and for this processor alone: a third of what there is to compile.
+	$(env) RAGGIO_KERNEL_LEVELS=native cargo run --release --package raggio-cli --no-default-features -- demo
+
+install: setup ## put raggio, completions and manual pages into PREFIX (~/.local)
+	$(env) cargo build --release --package raggio-cli
+	$(env) bash scripts/install.sh "$(target)/release/raggio" "$(DESTDIR)$(PREFIX)"
+
+uninstall: ## take away what `make install` put into PREFIX
+	bash scripts/install.sh --remove "$(DESTDIR)$(PREFIX)"
 
 test: setup-tests ## build and run all tests
-	$(env) cargo test --release --workspace
+	$(test_env) cargo test --release --workspace
+
+# All materials under all lights, all lamps at all depths, naive pictures and software Vulkan at full sample counts, and
+# the worked example of CONTRIBUTING, built: what takes long and has rarely found anything. No run for a change needs it.
+test-long: setup-tests ## the tests with all that is too slow for `make test`
+	$(test_env) RAGGIO_TEST_LONG=1 cargo test --release --workspace
 
 gallery: setup ## render the pictures of the documentation
 	$(env) python scripts/gallery.py

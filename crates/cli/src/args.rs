@@ -17,6 +17,7 @@ pub struct Arguments {
 pub enum Command {
     /// Render a scene to image files
     Render(RenderArguments),
+    #[cfg(feature = "window")]
     /// Open a scene in a window and fly through it while the picture converges
     View(ViewArguments),
     /// List the devices that can render, and what they lack if anything
@@ -32,6 +33,16 @@ pub enum Command {
     Demo(DemoArguments),
     /// Print the JSON Schema of scene files, for editors
     Schema,
+    /// Print a script that completes raggio's commands and options in a shell
+    Completions {
+        /// bash, zsh, fish, elvish or powershell
+        shell: clap_complete::Shell,
+    },
+    /// Write the manual pages, raggio.1 and one for each command
+    Manual {
+        /// Folder for them, which is made where it is missing
+        folder: PathBuf,
+    },
 }
 
 #[derive(Args)]
@@ -134,6 +145,7 @@ pub struct DemoArguments {
     pub overrides: Overrides,
 }
 
+#[cfg(feature = "window")]
 #[derive(Args)]
 pub struct ViewArguments {
     /// Scene file (.toml), or a model (.glb, .gltf, .ply, .obj, .stl), which gets a camera, a ground and a sky
@@ -292,6 +304,7 @@ impl FromStr for Size {
     }
 }
 
+#[cfg(feature = "window")]
 fn scale(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|scale| (0.25..=8.0).contains(scale)).ok_or_else(|| "give a number from 0.25 to 8".into())
 }

@@ -4,6 +4,7 @@ use std::process::ExitCode;
 use raggio_denoise::DenoiseError;
 use raggio_render::{DeviceError, OutputError, TooLarge, TranslationError};
 use raggio_scene::SceneError;
+#[cfg(feature = "window")]
 use raggio_viewer::ViewError;
 
 /// Whose fault it is decides the exit status; the text is one sentence for the user.
@@ -68,6 +69,7 @@ impl From<DeviceError> for Failure {
     }
 }
 
+#[cfg(feature = "window")]
 impl From<ViewError> for Failure {
     fn from(error: ViewError) -> Self {
         if error.is_input() { Self::Input(error.to_string()) } else { Self::Device(error.to_string()) }

@@ -4,10 +4,12 @@ mod args;
 mod denoise;
 mod error;
 mod listing;
+mod manual;
 mod output;
 mod progress;
 mod render;
 mod stats;
+#[cfg(feature = "window")]
 mod view;
 
 use std::process::ExitCode;
@@ -25,10 +27,13 @@ fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Render(arguments) => render::render(&arguments),
         Command::Demo(arguments) => render::demo(&arguments),
+        #[cfg(feature = "window")]
         Command::View(arguments) => view::view(&arguments),
         Command::Devices => listing::devices(),
         Command::Check { scene, assets } => listing::check(&scene, assets.options(None)),
         Command::Schema => listing::schema(),
+        Command::Completions { shell } => manual::completions(shell),
+        Command::Manual { folder } => manual::pages(&folder),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -138,6 +138,7 @@ impl Device {
     }
 
     /// For a library that allocates by itself; to be given back before the device goes.
+    #[cfg(feature = "window")]
     pub(crate) fn shared_allocator(&self) -> Arc<Mutex<Allocator>> {
         Arc::clone(&self.allocator)
     }

@@ -3,6 +3,7 @@ use std::io::Write;
 use std::sync::{Arc, Mutex};
 
 use ash::{ext, khr, vk};
+#[cfg(feature = "window")]
 use raw_window_handle::RawDisplayHandle;
 
 use crate::error::{During, VulkanError};
@@ -89,7 +90,8 @@ impl Instance {
         Self::create(validate, &[])
     }
 
-    /// The same, able to draw into windows of `display`.
+    /// Connects to the loader, able to draw into windows of `display`.
+    #[cfg(feature = "window")]
     pub fn for_windows(validate: bool, display: RawDisplayHandle) -> Result<Arc<Self>, VulkanError> {
         let extensions = ash_window::enumerate_required_extensions(display).map_err(|_| VulkanError::NoWindows)?;
         Self::create(validate, extensions)

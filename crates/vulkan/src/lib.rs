@@ -5,21 +5,26 @@
 //! Everything is released by `Drop`, in the right order, because each part keeps alive what it was made from.
 
 mod buffer;
+#[cfg(feature = "window")]
 mod canvas;
 mod compute;
 mod device;
 mod error;
+#[cfg(feature = "window")]
 mod image;
 mod instance;
 mod passes;
+#[cfg(feature = "window")]
 mod surface;
 mod transfer;
 
 pub use buffer::{Buffer, Location};
+#[cfg(feature = "window")]
 pub use canvas::{Area, Canvas, Overlay, Picture, Pixels, Shown};
 pub use compute::{BindingSet, Module, Pipeline, SetLayout};
 pub use device::Device;
 pub use error::VulkanError;
 pub use instance::{DeviceKind, Instance, PhysicalDevice, STORAGE_BUFFERS};
 pub use passes::Passes;
+#[cfg(feature = "window")]
 pub use surface::Surface;
