@@ -46,10 +46,12 @@ bench: setup ## measure the speed, and how the error falls with samples
 	$(env) python scripts/bench.py
 	$(env) python scripts/convergence.py
 
-lint: setup ## check formatting, warnings and the documentation's links
+lint: setup ## check formatting, warnings, the documentation's links and, with cargo-deny, licences
 	$(env) cargo fmt --all --check
 	$(env) python scripts/check_links.py
 	$(env) cargo clippy --workspace --all-targets --release -- -D warnings
+	@$(env) if cargo deny --version >/dev/null 2>&1; then cargo deny check bans licenses sources; \
+	else echo "lint: cargo-deny is not installed: licences and sources of dependencies were NOT checked"; fi
 
 clean: ## remove what was built; .venv stays
 	$(env) cargo clean
