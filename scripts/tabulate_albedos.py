@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-OUTPUT = Path(__file__).parent.parent / "crates/render/src/device_scene/albedos.bin"
+OUTPUT = Path(__file__).parent.parent / "crates/render/src/translation/device_scene/albedos.bin"
 
 # The nodes: as in kernels/materials/albedo.slang.
 WIDTHS, COSINES, INDICES, SHEENS = 16, 32, 20, 16

@@ -4,11 +4,11 @@ use std::time::{Duration, Instant};
 
 use raggio_kernels::Feature;
 
-use crate::adaptive::{Blocks, next_judgement};
-use crate::device::{DeviceError, Session};
-use crate::device_scene::DeviceScene;
-use crate::film::Film;
-use crate::films::Films;
+use crate::devices::adaptive::{Blocks, next_judgement};
+use crate::devices::device::{DeviceError, Session};
+use crate::devices::films::Films;
+use crate::pictures::film::Film;
+use crate::translation::device_scene::DeviceScene;
 
 /// Adds samples to the film that a session shows, a portion at a time: each as long as the device has patience for.
 ///

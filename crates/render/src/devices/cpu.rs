@@ -10,14 +10,14 @@ use rayon::prelude::*;
 
 use raggio_scene::Integrator;
 
-use crate::adaptive::Blocks;
-use crate::device::{Answer, Device, DeviceError, DeviceInfo, Question, Session, sampling};
-use crate::device_scene::DeviceScene;
-use crate::display::{Display, Pixels, display_rows, reference_pixels};
-use crate::film::Film;
-use crate::films::Films;
-use crate::linear_image::Image;
-use crate::machine::{cores, processor_name, total_memory_bytes};
+use crate::devices::adaptive::Blocks;
+use crate::devices::device::{Answer, Device, DeviceError, DeviceInfo, Question, Session, sampling};
+use crate::devices::films::Films;
+use crate::devices::machine::{cores, processor_name, total_memory_bytes};
+use crate::pictures::display::{Display, Pixels, display_rows, reference_pixels};
+use crate::pictures::film::Film;
+use crate::pictures::linear_image::Image;
+use crate::translation::device_scene::DeviceScene;
 
 /// How the CPU is used. No choice changes the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use raggio_kernels::{
 use raggio_scene::{AlphaMode, Material, Principled, Reflection, Texture};
 
 use super::TranslationError;
-use crate::textures::{ColorSpace, TextureTable};
+use crate::translation::textures::{ColorSpace, TextureTable};
 
 /// Materials in the order of the scene, and the principled ones among them in a list of their own.
 #[derive(Default)]

@@ -7,7 +7,7 @@ use raggio_kernels::Texture;
 use rayon::prelude::*;
 
 use super::luminance;
-use crate::textures::texel;
+use crate::translation::textures::texel;
 
 /// A pyramid of sums over the image's cells.
 #[derive(Clone, Debug)]

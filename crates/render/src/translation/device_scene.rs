@@ -17,17 +17,17 @@ use raggio_scene::{
     Wrap,
 };
 
-use crate::bounds::shape_bounds;
-use crate::device_scene::albedos::albedos;
-use crate::device_scene::materials::Materials;
-use crate::device_scene::shapes::Shapes;
-use crate::filters::filter_table;
-use crate::hierarchy::{Bounds, Hierarchy, moved};
-use crate::lights::Lights;
-use crate::media::{Body, media_around};
-use crate::meshes::Meshes;
-use crate::textures::{ColorSpace, TextureTable};
-use crate::translation_error::TranslationError;
+use crate::translation::bounds::shape_bounds;
+use crate::translation::device_scene::albedos::albedos;
+use crate::translation::device_scene::materials::Materials;
+use crate::translation::device_scene::shapes::Shapes;
+use crate::translation::error::TranslationError;
+use crate::translation::filters::filter_table;
+use crate::translation::hierarchy::{Bounds, Hierarchy, moved};
+use crate::translation::lights::Lights;
+use crate::translation::media::{Body, media_around};
+use crate::translation::meshes::Meshes;
+use crate::translation::textures::{ColorSpace, TextureTable};
 
 /// A scene as flat buffers, and the settings that every dispatch repeats.
 #[derive(Clone, Debug)]

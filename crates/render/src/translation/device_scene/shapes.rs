@@ -7,8 +7,8 @@ use raggio_kernels::{
 use raggio_scene::{Geometry, Material, Shape, rotation};
 
 use super::materials::has_holes;
-use crate::bounds::instance_scale;
-use crate::meshes::Meshes;
+use crate::translation::bounds::instance_scale;
+use crate::translation::meshes::Meshes;
 
 /// A list for each kind.
 pub(super) struct Shapes<'a> {

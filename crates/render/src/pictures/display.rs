@@ -6,8 +6,8 @@ use raggio_kernels::cpu::{Buffers, InstructionSet, dispatch};
 use raggio_kernels::{Comparison, EntryPoint, FilmPixel, ToneMapper, View, Work};
 use raggio_vulkan::Buffer;
 
-use crate::film::Film;
-use crate::linear_image::Image;
+use crate::pictures::film::Film;
+use crate::pictures::linear_image::Image;
 
 /// Displayable pixels, 0xAABBGGRR in sRGB, row by row from the top left.
 pub enum Pixels {

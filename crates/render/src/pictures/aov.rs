@@ -6,10 +6,10 @@ use std::ops::ControlFlow;
 use exr::prelude::FlatSamples;
 use raggio_kernels::{Feature, FilmPixel};
 
-use crate::device::DeviceError;
-use crate::device_scene::DeviceScene;
-use crate::film::Film;
+use crate::devices::device::DeviceError;
+use crate::pictures::film::Film;
 use crate::renderer::Renderer;
+use crate::translation::device_scene::DeviceScene;
 
 /// A layer of an EXR beside the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,7 +8,7 @@ use raggio_kernels::{
 
 use super::bounds::LightBounds;
 use super::luminance;
-use crate::textures::mean;
+use crate::translation::textures::mean;
 
 /// Emitters, and bounds of each.
 #[derive(Default)]

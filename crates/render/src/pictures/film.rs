@@ -2,7 +2,7 @@
 
 use raggio_kernels::{FilmPixel, FixedSum};
 
-use crate::linear_image::Image;
+use crate::pictures::linear_image::Image;
 
 /// Sum and count of the samples of each pixel.
 ///

@@ -4,7 +4,7 @@ use glam::Vec3;
 use raggio_kernels::{LIGHT_INFINITE, LIGHT_LEAF, LIGHT_TWO_SIDED, LightNode};
 
 use super::bounds::LightBounds;
-use crate::meshes::pack_unit_vector;
+use crate::translation::meshes::pack_unit_vector;
 
 /// Places along each axis between which lights are parted.
 const BINS: usize = 12;

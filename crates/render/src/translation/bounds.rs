@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3, Vec3};
 use raggio_scene::{Geometry, Mesh, rotation};
 
-use crate::hierarchy::Bounds;
+use crate::translation::hierarchy::Bounds;
 
 /// Lower and upper corner of a box that contains `geometry` with room for rounding; `None` if it has no bounds.
 pub fn bounds(geometry: &Geometry) -> Option<(Vec3, Vec3)> {

@@ -14,13 +14,13 @@ use raggio_vulkan::{
     BindingSet, Buffer, Device as VulkanContext, Location, Module, PhysicalDevice, Pipeline, SetLayout,
 };
 
-use crate::adaptive::Blocks;
-use crate::device::{Answer, Device, DeviceError, Question, Session, sampling};
-use crate::device_scene::DeviceScene;
-use crate::display::{Display, Pixels, reference_pixels};
-use crate::film::Film;
-use crate::films::Films;
-use crate::linear_image::Image;
+use crate::devices::adaptive::Blocks;
+use crate::devices::device::{Answer, Device, DeviceError, Question, Session, sampling};
+use crate::devices::films::Films;
+use crate::pictures::display::{Display, Pixels, reference_pixels};
+use crate::pictures::film::Film;
+use crate::pictures::linear_image::Image;
+use crate::translation::device_scene::DeviceScene;
 
 // `raggio devices` calls a device fit by this number.
 const _: () = assert!(SCENE_BINDINGS.len() + 4 <= raggio_vulkan::STORAGE_BUFFERS as usize);

@@ -1,6 +1,6 @@
 //! What this machine is, as far as the system tells.
 
-use crate::film::film_bytes;
+use crate::pictures::film::film_bytes;
 
 /// An image that this machine has no memory for.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -8,9 +8,9 @@ use raggio_kernels::{BvhNode, MOST_IN_HIERARCHY, Mesh as DeviceMesh, NONE, Scene
 use raggio_scene::Mesh;
 use rayon::prelude::*;
 
-use crate::hierarchy::{Bounds, Hierarchy, moved};
-use crate::machine;
-use crate::translation_error::TranslationError;
+use crate::devices::machine;
+use crate::translation::error::TranslationError;
+use crate::translation::hierarchy::{Bounds, Hierarchy, moved};
 
 /// The meshes of a scene, one behind the other. Kept from edit to edit: a mesh is built once.
 #[derive(Clone, Debug, Default)]

@@ -7,11 +7,11 @@ use raggio_kernels::{BrokenScene, EntryPoint, Feature, FilmPixel, Probe};
 use raggio_scene::Integrator;
 use raggio_vulkan::VulkanError;
 
-use crate::adaptive::Blocks;
-use crate::device_scene::DeviceScene;
-use crate::display::{Display, Pixels};
-use crate::film::Film;
-use crate::linear_image::Image;
+use crate::devices::adaptive::Blocks;
+use crate::pictures::display::{Display, Pixels};
+use crate::pictures::film::Film;
+use crate::pictures::linear_image::Image;
+use crate::translation::device_scene::DeviceScene;
 
 /// Something that can trace rays.
 pub trait Device: Send + Sync {

@@ -8,10 +8,10 @@ use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, WritableImage};
 use image::ImageEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 
-use crate::aov::Channel;
-use crate::display::{Display, displayed};
-use crate::film::Film;
-use crate::metadata::Metadata;
+use crate::pictures::aov::Channel;
+use crate::pictures::display::{Display, displayed};
+use crate::pictures::film::Film;
+use crate::pictures::metadata::Metadata;
 
 /// A file to be written.
 #[derive(Clone, Debug)]

@@ -9,7 +9,7 @@ use raggio_kernels::{
 use raggio_scene::{Bitmap, Texels, Texture, TextureFilter, Wrap};
 use rayon::prelude::*;
 
-use crate::translation_error::TranslationError;
+use crate::translation::error::TranslationError;
 
 /// How an image's 8 or 16 bits stand for numbers; floats are linear in any case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -9,7 +9,7 @@ use exr::meta::MetaData;
 use exr::prelude::{ReadChannels, ReadLayers, Vec2};
 use image::{ImageDecoder, ImageReader};
 
-use crate::linear_image::Image;
+use crate::pictures::linear_image::Image;
 
 /// The most pixels that are read: 8192 x 8192.
 const MOST_PIXELS: u64 = 1 << 26;

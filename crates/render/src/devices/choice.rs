@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use raggio_vulkan::{DeviceKind, Instance, PhysicalDevice, VulkanError};
 
-use crate::cpu::{CpuDevice, CpuOptions};
-use crate::device::{Device, DeviceError, DeviceInfo};
-use crate::vulkan::VulkanDevice;
+use crate::devices::cpu::{CpuDevice, CpuOptions};
+use crate::devices::device::{Device, DeviceError, DeviceInfo};
+use crate::devices::vulkan::VulkanDevice;
 
 /// Which device is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use raggio_kernels::BLOCK;
 
-use crate::film::Film;
+use crate::pictures::film::Film;
 
 /// Samples a pixel before anything is judged: fewer say little about their own error.
 const FIRST: u32 = 64;

@@ -1,0 +1,9 @@
+//! The machines that trace rays, and how they are found, opened and told what to do.
+
+pub mod adaptive;
+pub mod choice;
+pub mod cpu;
+pub mod device;
+pub mod films;
+pub mod machine;
+pub mod vulkan;

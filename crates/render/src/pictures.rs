@@ -1,0 +1,9 @@
+//! Films, the layers and pictures that are made of them, and their files.
+
+pub mod aov;
+pub mod display;
+pub mod film;
+pub mod image_file;
+pub mod image_input;
+pub mod linear_image;
+pub mod metadata;
