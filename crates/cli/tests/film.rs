@@ -1,12 +1,10 @@
 //! What a picture consists of besides its colours, and when it is good enough.
 
-mod common;
-
 use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-use common::{SCENE, assert_refused, folder_with, raggio, read_exr, text};
+use crate::common::{SCENE, assert_refused, folder_with, raggio, read_exr, text};
 use exr::prelude::{AttributeValue, FlatSamples, ReadChannels, ReadLayers, Text, read};
 
 const CENTER: usize = 12 * 32 + 16;

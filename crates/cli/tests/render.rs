@@ -1,10 +1,8 @@
 //! Contract 2: what `raggio render` writes and says.
 
-mod common;
-
 use std::path::Path;
 
-use common::{SCENE, assert_refused, folder_with, project_file, raggio, read_exr, text};
+use crate::common::{SCENE, assert_refused, folder_with, project_file, raggio, read_exr, text};
 
 fn files_in(folder: &Path) -> Vec<String> {
     let mut names: Vec<_> = std::fs::read_dir(folder)

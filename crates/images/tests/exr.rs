@@ -1,8 +1,6 @@
 //! OpenEXR: whatever the order of channels, the compression, the blocks and the layers.
 
-mod common;
-
-use common::decoded;
+use crate::common::decoded;
 use exr::prelude::*;
 use raggio_images::{Bitmap, Limits, Problem, Texels, decode};
 

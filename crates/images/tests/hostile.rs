@@ -2,11 +2,9 @@
 //!
 //! `RAGGIO_FUZZ_SECONDS` says how long each format is mutated; two seconds without it.
 
-mod common;
-
 use std::time::{Duration, Instant};
 
-use common::{ETC1S, UASTC, UASTC_ZSTD, encoded, ktx2, png};
+use crate::common::{ETC1S, UASTC, UASTC_ZSTD, encoded, ktx2, png};
 use exr::prelude::*;
 use image::{DynamicImage, ImageFormat};
 use raggio_images::{Limits, Problem, Texels, decode};

@@ -3,9 +3,7 @@
 //! The files in `data` were made by basisu 1.16 from one picture of 8 x 4 pixels: red at full alpha on the left, blue at
 //! half alpha on the right; with mipmaps, but for `uastc.ktx2`.
 
-mod common;
-
-use common::{ETC1S, UASTC, UASTC_ZSTD, decoded, ktx2};
+use crate::common::{ETC1S, UASTC, UASTC_ZSTD, decoded, ktx2};
 use raggio_images::{Limits, Problem, Texels, decode};
 
 fn rgba8(bytes: &[u8]) -> Vec<[u8; 4]> {

@@ -1,8 +1,6 @@
 //! PNG, JPEG, WebP and Radiance HDR come out as they were written.
 
-mod common;
-
-use common::{decoded, encoded, png};
+use crate::common::{decoded, encoded, png};
 use image::{DynamicImage, ImageFormat};
 use png::{BitDepth, ColorType};
 use raggio_images::{Bitmap, Limits, Problem, Texels, decode, load};

@@ -1,8 +1,6 @@
 //! Scenes that are right, and what is read from them.
 
-mod common;
-
-use common::{EXAMPLE, check_invariants, reference_scene};
+use crate::common::{EXAMPLE, check_invariants, reference_scene};
 use raggio_scene::{
     AlphaMode, Camera, Entry, Environment, Filter, Geometry, Integrator, Material, Principled, Reflection,
     RenderSettings, Sampler, Scene, Shape, Vec3,

@@ -1,10 +1,8 @@
 //! Any text at all: an error or a sound scene, never a panic, never a wait.
 
-mod common;
-
 use std::time::{Duration, Instant};
 
-use common::{EXAMPLE, check_invariants, reference_scene};
+use crate::common::{EXAMPLE, check_invariants, reference_scene};
 use proptest::prelude::*;
 use proptest::sample::select;
 use raggio_scene::Scene;

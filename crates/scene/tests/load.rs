@@ -1,11 +1,9 @@
 //! Files that cannot be read, or hold no text.
 
-mod common;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use common::{EXAMPLE, reference_scene};
+use crate::common::{EXAMPLE, reference_scene};
 use raggio_scene::{Scene, SceneError};
 
 /// A folder of its own for each test, inside the build's.

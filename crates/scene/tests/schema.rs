@@ -1,8 +1,6 @@
 //! The JSON Schema says what the reader does.
 
-mod common;
-
-use common::{EXAMPLE, reference_scene};
+use crate::common::{EXAMPLE, reference_scene};
 use serde_json::{Value, json};
 
 fn schema() -> Value {

@@ -7,7 +7,7 @@ use raggio_tests::geometry::{Ray, nearest, refracted, rotation};
 use raggio_tests::render::means;
 use raggio_tests::{for_each_device, render};
 
-use crate::{View, materials, shapes};
+use crate::closed_forms::{View, materials, shapes};
 
 /// Where the wall stands, and the width of its stripes; the k-th from the left has the radiance k + 1.
 const WALL_Z: f64 = -5.0;

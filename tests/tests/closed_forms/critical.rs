@@ -4,8 +4,8 @@ use glam::DVec3;
 use raggio_tests::render::means;
 use raggio_tests::{for_each_device, render};
 
-use crate::fresnel::{ask, question};
-use crate::{View, water_under_the_sky};
+use crate::closed_forms::fresnel::{ask, question};
+use crate::closed_forms::{View, water_under_the_sky};
 
 /// The largest `u` the kernels can draw refracts wherever refraction is possible.
 const LAST: f32 = 1.0 - 5.960_464_5e-8;

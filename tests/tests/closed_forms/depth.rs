@@ -4,7 +4,7 @@ use glam::DVec3;
 use raggio_tests::render::means;
 use raggio_tests::{for_each_way, render};
 
-use crate::{View, materials, shapes};
+use crate::closed_forms::{View, materials, shapes};
 
 const SKY: &str = "[environment]\ncolor = [0.5, 1, 2]\n";
 

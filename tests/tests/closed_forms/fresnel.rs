@@ -5,7 +5,7 @@ use raggio_render::{Answer, Probe, Question};
 use raggio_tests::geometry::{fresnel, refracted};
 use raggio_tests::{TestDevice, estimate, for_each_device};
 
-use crate::{ONE_DIRECTION, View, WHITE_SKY, materials, shapes, water_under_the_sky};
+use crate::closed_forms::{ONE_DIRECTION, View, WHITE_SKY, materials, shapes, water_under_the_sky};
 
 const DEGREES: [f64; 6] = [0.0, 10.0, 30.0, 56.3, 80.0, 89.0];
 

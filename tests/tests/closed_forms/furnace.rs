@@ -4,7 +4,7 @@ use glam::DVec3;
 use raggio_tests::render::means;
 use raggio_tests::{for_each_device, for_each_way, render};
 
-use crate::{View, WHITE_SKY, materials, shapes};
+use crate::closed_forms::{View, WHITE_SKY, materials, shapes};
 
 /// Bodies that fill this view, none of which a path meets twice.
 const CONVEX: [&str; 4] = [

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use raggio_tests::{for_each_device, render};
 
-use crate::{ONE_DIRECTION, View, WHITE_SKY, materials, shapes};
+use crate::closed_forms::{ONE_DIRECTION, View, WHITE_SKY, materials, shapes};
 
 /// A pane of sixteen numbers' thickness: at 1000 units from the origin floats lie 6e-5 apart. In a white furnace it is
 /// invisible, unless refracted rays jump over its far side and stay inside for ever.

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use raggio_tests::{estimate, for_each_way};
 
-use crate::{ONE_DIRECTION, View, array, materials, shapes};
+use crate::closed_forms::{ONE_DIRECTION, View, array, materials, shapes};
 
 const ALBEDO: DVec3 = DVec3::new(0.9, 0.6, 0.3);
 const LAMP: DVec3 = DVec3::new(2.0, 3.0, 4.0);

@@ -6,7 +6,7 @@ use raggio_scene::Scene;
 use raggio_tests::render::means;
 use raggio_tests::{TestDevice, for_each_device, render};
 
-use crate::{View, materials, shapes};
+use crate::closed_forms::{View, materials, shapes};
 
 const SIZE: u32 = 96;
 const FOV_DEGREES: f64 = 20.0;

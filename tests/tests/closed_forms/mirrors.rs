@@ -5,7 +5,7 @@ use raggio_scene::{Integrator, Scene};
 use raggio_tests::render::means;
 use raggio_tests::{for_each_device, render};
 
-use crate::{View, WHITE_SKY, materials, shapes};
+use crate::closed_forms::{View, WHITE_SKY, materials, shapes};
 
 const COLOR: DVec3 = DVec3::new(0.9, 0.5, 0.1);
 const GLOW: f64 = 0.25;

@@ -4,7 +4,7 @@ use raggio_render::Film;
 use raggio_tests::render::{means, relative_difference};
 use raggio_tests::{for_each_device, render};
 
-use crate::{View, materials, shapes};
+use crate::closed_forms::{View, materials, shapes};
 
 const SKY: &str = "[environment]\nhorizon = [1, 0.8, 0.6]\nzenith = [0.2, 0.4, 1]\n";
 

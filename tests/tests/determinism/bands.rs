@@ -11,7 +11,7 @@ use raggio_vulkan::Instance;
 #[test]
 fn a_film_of_two_bands_is_one_picture() {
     let Some(vulkan) = vulkan() else { return };
-    let mut scene = Scene::parse(crate::NESTED, "nested.toml").expect("the scene is valid");
+    let mut scene = Scene::parse(crate::determinism::NESTED, "nested.toml").expect("the scene is valid");
     (scene.render.width, scene.render.height) = (1500, 1200);
     let (ours, theirs) = (render(vulkan, &scene, 1), render(cpu(), &scene, 1));
     let near = means(&ours).into_iter().zip(means(&theirs)).filter(|(a, b)| relative_difference(*a, *b) < 1e-5).count();
@@ -57,7 +57,7 @@ fn devices_go_without_a_complaint() {
     let instance = Instance::new(true).expect("Vulkan was there a moment ago");
     let physical = instance.devices().expect("devices are listed");
     let device = VulkanDevice::new(&physical[0]).expect("the device opens");
-    let scene = Scene::parse(crate::EVERYTHING, "scene.toml").expect("the scene is valid");
+    let scene = Scene::parse(crate::determinism::EVERYTHING, "scene.toml").expect("the scene is valid");
     let mut session = device.load(&DeviceScene::new(&scene).expect("the scene fits")).expect("the scene loads");
     session.add_samples(0..8, 0..1).expect("samples are added");
     session.film().expect("the film is read");

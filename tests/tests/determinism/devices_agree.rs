@@ -5,7 +5,7 @@ use raggio_tests::devices::{cpu, vulkan};
 use raggio_tests::render;
 use raggio_tests::render::{means, relative_difference};
 
-use crate::scenes;
+use crate::determinism::scenes;
 
 const SAMPLES: u32 = 32;
 

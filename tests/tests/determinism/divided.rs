@@ -6,7 +6,7 @@ use raggio_render::{CpuDevice, CpuOptions, Device, DeviceScene, Film, Instructio
 use raggio_scene::Scene;
 use raggio_tests::{for_each_device, render, render_range};
 
-use crate::scenes;
+use crate::determinism::scenes;
 
 const SAMPLES: u32 = 20;
 

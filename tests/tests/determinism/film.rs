@@ -111,7 +111,7 @@ fn samples_that_overflow_are_rejected() {
 fn the_variance_is_that_of_the_samples() {
     const SAMPLES: u32 = 12;
     for_each_device(|device| {
-        for (name, scene) in crate::scenes() {
+        for (name, scene) in crate::determinism::scenes() {
             let film = render(device.device, &scene, SAMPLES);
             let singles: Vec<_> = (0..SAMPLES).map(|i| render_range(device.device, &scene, i..i + 1)).collect();
             let values: Vec<_> = singles.iter().map(means).collect();

@@ -5,8 +5,8 @@ use draco_core::{
 };
 use serde_json::{Value, json};
 
-use crate::asset::{Asset, CORNERS, F32, I16, U8, U16, glowing};
-use crate::picture::{Shot, within};
+use crate::gltf::asset::{Asset, CORNERS, F32, I16, U8, U16, glowing};
+use crate::gltf::picture::{Shot, within};
 
 fn assert_square(what: &str, asset: &Asset) {
     Shot::default().take(asset).assert_lit(what, within([0.0, 0.0], [1.0, 1.0]));

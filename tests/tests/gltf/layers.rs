@@ -6,8 +6,8 @@ use raggio_scene::Integrator;
 use raggio_tests::for_each_device;
 use serde_json::{Value, json};
 
-use crate::asset::{Asset, matte, merged, png};
-use crate::picture::Shot;
+use crate::gltf::asset::{Asset, matte, merged, png};
+use crate::gltf::picture::Shot;
 
 /// One texel for each kind of texture, all channels different.
 const TEXEL: [u8; 4] = [204, 102, 153, 51];

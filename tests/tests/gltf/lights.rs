@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2};
 use glam::DVec3;
 use serde_json::{Value, json};
 
-use crate::asset::{Asset, matte};
-use crate::picture::{Picture, Shot};
+use crate::gltf::asset::{Asset, matte};
+use crate::gltf::picture::{Picture, Shot};
 
 const COLOR: [f32; 3] = [0.8, 0.5, 0.25];
 

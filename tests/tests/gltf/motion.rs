@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use crate::asset::{Asset, CORNERS, U8, glowing};
-use crate::picture::{Shot, within};
+use crate::gltf::asset::{Asset, CORNERS, U8, glowing};
+use crate::gltf::picture::{Shot, within};
 
 /// The square, with a property of its node that has keys at 1 and 3 seconds.
 fn animate(mut asset: Asset, path: &str, interpolation: &str, kind: &str, values: &[f32]) -> Asset {

@@ -9,7 +9,7 @@ use raggio_tests::devices::cpu;
 use raggio_tests::render;
 use raggio_tests::render::means;
 
-use crate::asset::Asset;
+use crate::gltf::asset::Asset;
 
 /// Pixels across and down.
 pub const SIDE: usize = 24;

@@ -9,8 +9,8 @@ use raggio_tests::render;
 use raggio_tests::render::means;
 use serde_json::json;
 
-use crate::asset::{Asset, I16, glowing};
-use crate::picture::{Shot, within};
+use crate::gltf::asset::{Asset, I16, glowing};
+use crate::gltf::picture::{Shot, within};
 
 #[test]
 fn nodes_place_their_meshes() {
@@ -108,7 +108,7 @@ fn hidden_nodes_are_not_seen() {
 #[test]
 fn cameras_of_the_file() {
     let bright = json!({ "KHR_materials_emissive_strength": { "emissiveStrength": 1000 } });
-    let mut asset = Asset::square(crate::asset::merged(glowing(), json!({ "extensions": bright })));
+    let mut asset = Asset::square(crate::gltf::asset::merged(glowing(), json!({ "extensions": bright })));
     let sideways = json!([0.0, FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2]);
     asset.json["nodes"] = json!([
         { "mesh": 0, "rotation": sideways, "scale": [1, 0.5, 1] },

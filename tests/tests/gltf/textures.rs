@@ -3,8 +3,8 @@
 use glam::DVec3;
 use serde_json::{Value, json};
 
-use crate::asset::{Asset, UPRIGHT, glowing, matte, merged};
-use crate::picture::{Picture, Shot};
+use crate::gltf::asset::{Asset, UPRIGHT, glowing, matte, merged};
+use crate::gltf::picture::{Picture, Shot};
 
 /// Red, green; blue, white.
 const FOUR: [[[u8; 4]; 2]; 2] = [[[255, 0, 0, 255], [0, 255, 0, 255]], [[0, 0, 255, 255], [255; 4]]];
@@ -95,7 +95,7 @@ fn transforms_of_textures() {
         let texture = format!("{{ image = \"four.png\", filter = \"nearest\", {table} }}");
         let own = format!("base_color = [0, 0, 0], specular = 0, emissive = [1, 1, 1], emissive_texture = {texture}");
         let rows: Vec<&[[u8; 4]]> = FOUR.iter().map(|row| &row[..]).collect();
-        let files = vec![("four.png", crate::asset::png(&rows))];
+        let files = vec![("four.png", crate::gltf::asset::png(&rows))];
         let shot = Shot { material: Some(own), files, ..Shot::default() };
         assert_shows(&format!("{what}, by the scene file"), &shot.take(&asset), expected);
     }

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use serde_json::{Value, json};
 
-use crate::asset::{Asset, glowing, matte, merged};
-use crate::picture::{Shot, within};
+use crate::gltf::asset::{Asset, glowing, matte, merged};
+use crate::gltf::picture::{Shot, within};
 
 fn smooth(color: [f32; 3], extensions: Value) -> Value {
     let [red, green, blue] = color;

@@ -8,7 +8,7 @@ use raggio_tests::statistics::sidak;
 use raggio_tests::{TestDevice, for_each_device, parse, render};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use crate::{add_light, add_mesh, ball, sky};
+use crate::lights::{add_light, add_mesh, ball, sky};
 
 const WIDTH: u32 = 32;
 const HEIGHT: u32 = 24;

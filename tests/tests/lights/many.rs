@@ -7,7 +7,7 @@ use raggio_render::DeviceScene;
 use raggio_scene::{Geometry, Integrator, Scene, Shape};
 use raggio_tests::{Pcg, estimate, for_each_device, parse};
 
-use crate::{add_mesh, ball, sky};
+use crate::lights::{add_mesh, ball, sky};
 
 /// A view of the origin on a grey floor, from so near that all pixels show the same.
 const FLOOR: &str = "

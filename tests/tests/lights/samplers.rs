@@ -9,7 +9,7 @@ use raggio_scene::{LightKind, Scene};
 use raggio_tests::statistics::{Verdict, chi_square};
 use raggio_tests::{Pcg, TestDevice, for_each_device, parse};
 
-use crate::{add_light, add_mesh, ball, sky};
+use crate::lights::{add_light, add_mesh, ball, sky};
 
 /// Bins in the cosine to the view and in the angle about it.
 const BINS: (usize, usize) = (12, 24);

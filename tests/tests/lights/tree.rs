@@ -5,7 +5,7 @@ use raggio_scene::{LightKind, Scene};
 use raggio_tests::statistics::{Verdict, chi_square};
 use raggio_tests::{Pcg, for_each_device, parse};
 
-use crate::{add_light, sky};
+use crate::lights::{add_light, sky};
 
 /// Spheres, rectangles, spots, points and far lights of very different brightness.
 fn motley(count: usize) -> Scene {

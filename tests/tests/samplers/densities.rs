@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 use glam::DVec3;
 use raggio_kernels::SamplerKind;
 
-use crate::frame;
-use crate::microfacets::Facets;
+use crate::samplers::frame;
+use crate::samplers::microfacets::Facets;
 
 /// A sampler with its arguments.
 #[derive(Clone, Copy, Debug)]

@@ -8,8 +8,8 @@ use raggio_render::{Probe, Question};
 use raggio_tests::statistics::{ChiSquare, Verdict, chi_square};
 use raggio_tests::{Pcg, TestDevice, for_each_device};
 
-use crate::anywhere;
-use crate::densities::{Case, Chart, cases};
+use crate::samplers::anywhere;
+use crate::samplers::densities::{Case, Chart, cases};
 
 /// Bins in h and in phi.
 const BINS: (usize, usize) = (16, 32);

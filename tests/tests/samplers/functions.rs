@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use raggio_render::{Probe, ToneMapper};
 use raggio_tests::{Pcg, TestDevice, for_each_device, parse};
 
-use crate::anywhere;
+use crate::samplers::anywhere;
 
 /// Khronos PBR Neutral, as its specification puts it.
 fn neutral(color: DVec3) -> DVec3 {

@@ -7,7 +7,7 @@ use raggio_kernels::SamplerKind;
 use raggio_render::{Probe, Question};
 use raggio_tests::{Pcg, TestDevice, for_each_device};
 
-use crate::anywhere;
+use crate::samplers::anywhere;
 
 /// GGX in its local frame, by the textbook.
 #[derive(Clone, Copy, Debug)]

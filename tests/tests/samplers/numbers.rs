@@ -7,7 +7,7 @@ use raggio_tests::devices::{cpu, vulkan};
 use raggio_tests::statistics::{Verdict, chi_square};
 use raggio_tests::{Pcg, TestDevice, for_each_device};
 
-use crate::anywhere;
+use crate::samplers::anywhere;
 
 /// Pixel, sample, seed, dimension.
 pub type Key = [u32; 5];

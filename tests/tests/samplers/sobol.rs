@@ -4,7 +4,7 @@ use raggio_render::Sequence;
 use raggio_tests::statistics::Verdict;
 use raggio_tests::{Pcg, for_each_device};
 
-use crate::numbers::{Key, numbers, test_lanes, test_pairs};
+use crate::samplers::numbers::{Key, numbers, test_lanes, test_pairs};
 
 /// Lanes a pair, and the least t for which 2^m points hold equally many in each box of 2^t points.
 const PAIRS: [(usize, usize, u32); 6] = [(0, 1, 0), (0, 2, 1), (1, 2, 1), (0, 3, 2), (1, 3, 2), (2, 3, 3)];

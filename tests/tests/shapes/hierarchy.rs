@@ -7,7 +7,7 @@ use raggio_render::Probe;
 use raggio_scene::Scene;
 use raggio_tests::{Pcg, for_each_device, parse};
 
-use crate::{SingleRay, found};
+use crate::shapes::{SingleRay, found};
 
 const RAYS: usize = 50_000;
 /// Shapes lie in a cube of twice this size.
@@ -62,7 +62,7 @@ fn array(v: DVec3) -> String {
 fn random_rays(scene: &Scene, random: &mut Pcg) -> Vec<SingleRay> {
     (0..RAYS)
         .map(|i| {
-            let place = crate::place(&scene.shapes[random.below(scene.shapes.len())].geometry).0;
+            let place = crate::shapes::place(&scene.shapes[random.below(scene.shapes.len())].geometry).0;
             if i % 5 == 0 {
                 let axis = DVec3::AXES[random.below(3)];
                 return SingleRay::new(place - 3.0 * ROOM * axis, axis);

@@ -7,7 +7,7 @@ use raggio_scene::Geometry;
 use raggio_tests::geometry::{Ray, check, nearest};
 use raggio_tests::{Pcg, TestDevice, for_each_device};
 
-use crate::{SingleRay, found, place, scene_of};
+use crate::shapes::{SingleRay, found, place, scene_of};
 
 const RAYS: usize = 100_000;
 

@@ -6,8 +6,8 @@ use raggio_scene::Scene;
 use raggio_tests::devices::{cpu, open_vulkan};
 use raggio_tests::{Pcg, TestDevice};
 
-use crate::SingleRay;
-use crate::meshes::{ball, scene_of};
+use crate::shapes::SingleRay;
+use crate::shapes::meshes::{ball, scene_of};
 
 /// Of the test: less than the triangles take, more than anything else does.
 const LIMIT: u64 = 300_000;

@@ -7,7 +7,7 @@ use raggio_render::{Answer, Probe};
 use raggio_scene::{Geometry, Mesh, Part, Scene, Shape};
 use raggio_tests::{Pcg, for_each_device, parse};
 
-use crate::SingleRay;
+use crate::shapes::SingleRay;
 
 /// In all small scenes together.
 const RAYS: usize = 1_000_000;

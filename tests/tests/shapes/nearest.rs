@@ -6,7 +6,7 @@ use raggio_scene::Geometry;
 use raggio_tests::geometry::{check, nearest};
 use raggio_tests::{Pcg, for_each_device};
 
-use crate::{SHAPES, SingleRay, found, place, scene_of};
+use crate::shapes::{SHAPES, SingleRay, found, place, scene_of};
 
 const RAYS: usize = 100_000;
 

@@ -4,7 +4,7 @@ use raggio_render::ColorSpace;
 use raggio_scene::{Texture, Wrap};
 use raggio_tests::{Pcg, for_each_device};
 
-use crate::{FILTERS, Lookup, WRAPS, bilinear, distance, look_up, mean, middles, place, texel, varied};
+use crate::textures::{FILTERS, Lookup, WRAPS, bilinear, distance, look_up, mean, middles, place, texel, varied};
 
 /// At eighths of texels, evenly spaced random numbers choose every texel exactly as often as it weighs: all wrap modes,
 /// from two images before to two beyond.

@@ -6,7 +6,7 @@ use raggio_render::ColorSpace;
 use raggio_scene::{Bitmap, Texels, Texture, TextureFilter};
 use raggio_tests::{TestDevice, for_each_device};
 
-use crate::{Lookup, look_up};
+use crate::textures::{Lookup, look_up};
 
 /// All texels in order.
 fn read_back(device: &TestDevice, image: &Arc<Bitmap>, space: ColorSpace) -> Vec<[f32; 4]> {

@@ -6,7 +6,7 @@ use raggio_render::ColorSpace;
 use raggio_scene::{Bitmap, Texels, Texture};
 use raggio_tests::for_each_device;
 
-use crate::{FILTERS, Lookup, WRAPS, look_up};
+use crate::textures::{FILTERS, Lookup, WRAPS, look_up};
 
 const NUMBERS: [f32; 20] = [
     f32::NAN,

@@ -6,7 +6,7 @@ use raggio_render::ColorSpace;
 use raggio_scene::{Bitmap, Texels, Texture, TextureFilter, Wrap};
 use raggio_tests::{Pcg, for_each_device};
 
-use crate::{FILTERS, Lookup, WRAPS, look_up, varied};
+use crate::textures::{FILTERS, Lookup, WRAPS, look_up, varied};
 
 /// Red, green; blue, white.
 fn four_colors() -> Arc<Bitmap> {

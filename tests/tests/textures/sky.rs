@@ -9,7 +9,7 @@ use raggio_scene::{Bitmap, Environment, Scene, Texels, Texture, Wrap};
 use raggio_tests::render::means;
 use raggio_tests::{Pcg, TestDevice, for_each_device, render};
 
-use crate::{anywhere, bilinear, bright, distance, texel, varied};
+use crate::textures::{anywhere, bilinear, bright, distance, texel, varied};
 
 fn under(image: &Arc<Bitmap>, rotation_degrees: f32, intensity: f32) -> Scene {
     let environment = Environment::Image { image: image.clone(), rotation_degrees, intensity };

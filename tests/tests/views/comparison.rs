@@ -4,7 +4,7 @@ use raggio_render::{Comparison, DeviceScene, Display, Image, Session, ToneMapper
 use raggio_tests::for_each_device;
 use raggio_tests::render::{displayed, load};
 
-use crate::{assert_alike, encoded, still_life};
+use crate::views::{assert_alike, encoded, still_life};
 
 /// Colours that differ from pixel to pixel, some beyond white.
 fn gradient(width: u32, height: u32) -> Image {

@@ -4,7 +4,7 @@ use raggio_render::{Display, FilmPixel, ToneMapper, View};
 use raggio_tests::for_each_device;
 use raggio_tests::render::{displayed, load};
 
-use crate::{assert_alike, byte, encoded, still_life};
+use crate::views::{assert_alike, byte, encoded, still_life};
 
 /// Zucker's polynomial.
 fn viridis(x: f64) -> [u8; 3] {

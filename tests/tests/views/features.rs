@@ -7,7 +7,7 @@ use raggio_tests::devices::{cpu, vulkan};
 use raggio_tests::render::{load, means, relative_difference};
 use raggio_tests::{for_each_device, parse, render};
 
-use crate::still_life;
+use crate::views::still_life;
 
 const FEATURES: [Feature; 8] = [
     Feature::Hit,

@@ -9,7 +9,6 @@ pub fn raggio(folder: &Path, arguments: &[&str]) -> Output {
 }
 
 /// A file of the project.
-#[allow(dead_code)] // Not every test file uses every helper.
 pub fn project_file(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)
 }
@@ -19,7 +18,6 @@ pub fn text(bytes: &[u8]) -> String {
 }
 
 /// A small scene that renders at once.
-#[allow(dead_code)]
 pub const SCENE: &str = r#"version = 1
 [render]
 width = 32
@@ -39,7 +37,6 @@ sphere = { center = [0, 1, 0], radius = 1 }
 "#;
 
 /// A folder of its own with `scene.toml` in it.
-#[allow(dead_code)]
 pub fn folder_with(scene: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(folder.path().join("scene.toml"), scene).expect("the scene is written");
@@ -47,7 +44,6 @@ pub fn folder_with(scene: &str) -> tempfile::TempDir {
 }
 
 /// Asserts that the program refused its input: status 2, nothing on standard output, `message` on standard error.
-#[allow(dead_code)]
 pub fn assert_refused(output: &Output, message: &str) {
     let errors = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "stderr: {errors}");
@@ -56,7 +52,6 @@ pub fn assert_refused(output: &Output, message: &str) {
 }
 
 /// Size and linear radiance of an EXR.
-#[allow(dead_code)]
 pub fn read_exr(path: &Path) -> (usize, usize, Vec<[f32; 3]>) {
     let image = exr::prelude::read_first_rgba_layer_from_file(
         path,

@@ -1,8 +1,8 @@
 //! The switch that takes the noise away, as far as the screen is concerned.
 
-use crate::SCENE;
 use crate::common::{read_exr, text};
-use crate::desk::{Desk, can_draw};
+use crate::view::SCENE;
+use crate::view::desk::{Desk, can_draw};
 
 const SCRIPT: &str = "\
 panels
@@ -46,5 +46,5 @@ fn the_screen_loses_its_noise_and_files_do_not() {
     assert!(after > 0.9 * noisy, "roughness {noisy} is {after} when the switch is off again");
     let (width, height, _) = read_exr(&desk.path("a.exr"));
     desk.render("scene.toml", "again.exr", "cpu", (width, height), 2);
-    crate::assert_same_picture(&desk.path("a.exr"), &desk.path("again.exr"));
+    crate::view::assert_same_picture(&desk.path("a.exr"), &desk.path("again.exr"));
 }

@@ -183,7 +183,7 @@ impl Drop for Screen {
 
 /// Whether there is a Vulkan device that can draw frames, with validation layers.
 pub fn can_draw() -> bool {
-    let desk = Desk::new(crate::SCENE);
+    let desk = Desk::new(crate::view::SCENE);
     let output = desk.start("quit", &["--device", "vulkan", "--size", "64x64"], None).finish();
     if !output.status.success() {
         missing(&text(&output.stderr));

@@ -10,8 +10,8 @@ use x11rb::protocol::xproto::{
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
-use crate::SCENE;
-use crate::desk::{Desk, Screen, assert_good, can_draw};
+use crate::view::SCENE;
+use crate::view::desk::{Desk, Screen, assert_good, can_draw};
 
 const CONTROL: u32 = 0xffe3;
 const DELETE: u32 = 0xffff;

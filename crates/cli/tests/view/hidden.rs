@@ -2,11 +2,11 @@
 
 use image::RgbImage;
 
-use crate::SCENE;
-use crate::assert_same_picture;
 use crate::common::project_file;
 use crate::common::read_exr;
-use crate::desk::{Desk, can_draw};
+use crate::view::SCENE;
+use crate::view::assert_same_picture;
+use crate::view::desk::{Desk, can_draw};
 
 #[test]
 fn a_scene_that_is_opened_and_saved_stays_as_it_is() {
@@ -164,7 +164,7 @@ fn kernels_are_compiled_again_when_they_change() {
     let edited = sky.replace("return lerp(", "return float3(0, 1, 1) * lerp(");
     assert_ne!(sky, edited);
     std::fs::write(desk.path("kernels/sky.slang"), edited).expect("the kernel is written");
-    crate::desk::assert_good(&run.finish());
+    crate::view::desk::assert_good(&run.finish());
     desk.assert_valid();
     let corner = |name: &str| image::open(desk.path(name)).expect("a screenshot").to_rgb8().get_pixel(1, 1).0;
     assert!(corner("ready.png")[0] > 100, "{:?}", corner("ready.png"));

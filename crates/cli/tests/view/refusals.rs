@@ -2,9 +2,9 @@
 
 use std::process::{Command, Output};
 
-use crate::SCENE;
 use crate::common::{assert_refused, folder_with, raggio, text};
-use crate::desk::{Screen, can_draw};
+use crate::view::SCENE;
+use crate::view::desk::{Screen, can_draw};
 
 /// `raggio view scene.toml` without a desktop.
 fn view(arguments: &[&str], variables: &[(&str, &str)]) -> Output {

@@ -2,10 +2,10 @@
 
 use image::{Rgb, RgbImage};
 
-use crate::SCENE;
-use crate::assert_same_picture;
 use crate::common::read_exr;
-use crate::desk::{Desk, Screen, assert_good, can_draw};
+use crate::view::SCENE;
+use crate::view::assert_same_picture;
+use crate::view::desk::{Desk, Screen, assert_good, can_draw};
 
 /// A hand that does a bit of everything: flies, orbits, looks, edits, resizes, saves, exports.
 const TOUR: &str = "\

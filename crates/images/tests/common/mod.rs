@@ -1,5 +1,4 @@
 //! Image files, made by the encoders of the formats' crates.
-#![allow(dead_code)]
 
 use std::io::Cursor;
 

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use crate::builder::{Builder, CORNERS, F32, I8, I16, U8, U16, U32};
+use crate::gltf::builder::{Builder, CORNERS, F32, I8, I16, U8, U16, U32};
 
 /// The texture coordinates of the triangle's corners, from these bytes.
 fn uvs(component: u32, normalized: bool, bytes: &[u8]) -> Vec<[f32; 2]> {

@@ -5,7 +5,7 @@ use draco_core::{
 };
 use serde_json::{Value, json};
 
-use crate::builder::{Builder, CORNERS, F32, I8, I16, U8, U16};
+use crate::gltf::builder::{Builder, CORNERS, F32, I8, I16, U8, U16};
 
 #[test]
 fn quantized_positions_and_normals() {

@@ -5,7 +5,7 @@ use std::fs;
 use raggio_models::{GltfOptions, LoadOptions, load, load_gltf, parse_gltf};
 use serde_json::json;
 
-use crate::builder::{Builder, CORNERS, no_files, png, texels};
+use crate::gltf::builder::{Builder, CORNERS, no_files, png, texels};
 
 #[test]
 fn gltf_and_glb_are_the_same() {

@@ -8,8 +8,8 @@ use proptest::test_runner::{Config, TestRunner};
 use raggio_models::{GltfOptions, Model, parse_gltf};
 use serde_json::{Value, json};
 
-use crate::builder::{Builder, U8, no_files, png};
-use crate::compression::{draco_grid, meshopt_grid};
+use crate::gltf::builder::{Builder, U8, no_files, png};
+use crate::gltf::compression::{draco_grid, meshopt_grid};
 
 /// Small, so that damage is found without much memory.
 const MOST_BYTES: u64 = 64 << 20;

@@ -3,7 +3,7 @@
 use raggio_models::{AlphaMode, Principled, TextureFilter, Wrap};
 use serde_json::{Value, json};
 
-use crate::builder::{Builder, png, texels};
+use crate::gltf::builder::{Builder, png, texels};
 
 /// The first material, with textures 0, 1, ... whose only texel is [1; 4], [2; 4], ...
 fn builder(material: Value) -> Builder {

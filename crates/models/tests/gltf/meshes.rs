@@ -3,7 +3,7 @@
 use raggio_models::Model;
 use serde_json::json;
 
-use crate::builder::{Builder, CORNERS, U8};
+use crate::gltf::builder::{Builder, CORNERS, U8};
 
 /// A mesh of five vertices in a plane, in the order of `mode`.
 fn of_mode(mode: u32, indices: Option<&[u16]>) -> Builder {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use serde_json::json;
 
-use crate::builder::{Builder, CORNERS, I8, U8, assert_close};
+use crate::gltf::builder::{Builder, CORNERS, I8, U8, assert_close};
 
 /// The triangle's node with a property animated by two keys at 1 and 3 seconds.
 fn animated(path: &str, interpolation: &str, kind: &str, values: &[f32]) -> Builder {

@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec3};
 use raggio_models::{GltfOptions, LightKind};
 use serde_json::json;
 
-use crate::builder::{Builder, assert_close};
+use crate::gltf::builder::{Builder, assert_close};
 
 fn half() -> f64 {
     0.5f64.sqrt()
@@ -91,7 +91,7 @@ fn gpu_instancing() {
     let mut builder = Builder::triangle();
     let translations = builder.floats("VEC3", &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
     let bytes: Vec<u8> = [0i16, 0, 0, 32767, 0, 0, 23170, 23170].iter().flat_map(|x| x.to_le_bytes()).collect();
-    let rotations = builder.accessor("VEC4", crate::builder::I16, 2, &bytes);
+    let rotations = builder.accessor("VEC4", crate::gltf::builder::I16, 2, &bytes);
     builder.json["accessors"][rotations]["normalized"] = json!(true);
     let scales = builder.floats("VEC3", &[1.0, 1.0, 1.0, 2.0, 3.0, 4.0]);
     let attributes = json!({ "TRANSLATION": translations, "ROTATION": rotations, "SCALE": scales, "_ID": scales });
@@ -118,7 +118,8 @@ fn a_million_instances_take_under_two_seconds() {
     builder.json["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } });
     let bytes = builder.glb();
     let start = Instant::now();
-    let model = raggio_models::parse_gltf(&bytes, "a.glb", &crate::builder::no_files, &GltfOptions::default()).unwrap();
+    let model =
+        raggio_models::parse_gltf(&bytes, "a.glb", &crate::gltf::builder::no_files, &GltfOptions::default()).unwrap();
     // Without optimization ten times as slow, on a machine that does other things, too.
     let most_seconds = if cfg!(debug_assertions) { 20.0 } else { 2.0 };
     assert!(start.elapsed().as_secs_f64() < most_seconds, "{:?}", start.elapsed());

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use raggio_models::{GltfOptions, Place, parse_gltf};
 use serde_json::{Value, json};
 
-use crate::builder::{Builder, F32, no_files};
+use crate::gltf::builder::{Builder, F32, no_files};
 
 /// The triangle with the value at a JSON pointer replaced.
 fn changed(pointer: &str, value: Value) -> Builder {

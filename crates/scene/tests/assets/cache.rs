@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use raggio_scene::{Assets, Environment, Scene};
 
-use crate::files::{Folder, TRIANGLE_PLY, meshes};
+use crate::assets::files::{Folder, TRIANGLE_PLY, meshes};
 
 const BODY: &str = "[environment]
 image = \"pixel.hdr\"

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use raggio_scene::{AssetOptions, Assets, Environment, LightKind, Scene, Vec3};
 
-use crate::files::{Folder, meshes};
+use crate::assets::files::{Folder, meshes};
 
 /// Two triangles of one mesh, the second 5 to the right and twice as large; a red material, and a primitive without; a
 /// point light and a camera; an animation that moves the first triangle up by 3 within a second.

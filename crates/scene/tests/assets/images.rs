@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use raggio_scene::{Environment, Texels, Texture, TextureFilter, Wrap};
 
-use crate::files::Folder;
+use crate::assets::files::Folder;
 
 #[test]
 fn an_environment() {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use raggio_scene::{Counts, Placement, Vec3};
 
-use crate::files::{Folder, meshes};
+use crate::assets::files::{Folder, meshes};
 
 const LIGHT: &str = "[environment]\ncolor = [1, 1, 1]\n[materials.red]\n";
 

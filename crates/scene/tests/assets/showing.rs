@@ -5,8 +5,8 @@ use std::path::Path;
 use glam::DVec3;
 use raggio_scene::{AssetOptions, Assets, Environment, Geometry, Scene, scene_text};
 
+use crate::assets::files::{Folder, TRIANGLE_PLY, meshes};
 use crate::common::check_invariants;
-use crate::files::{Folder, TRIANGLE_PLY, meshes};
 
 /// A box from `min` to `max`, as an OBJ.
 fn cuboid(min: DVec3, max: DVec3) -> String {

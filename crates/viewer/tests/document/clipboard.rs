@@ -3,7 +3,7 @@
 use raggio_scene::Vec3;
 use raggio_viewer::document::{camera_from_text, camera_text};
 
-use crate::{FORMS, HEADERS, document};
+use crate::document::{FORMS, HEADERS, document};
 
 #[test]
 fn a_camera_goes_to_text_and_back() {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use raggio_scene::Scene;
 use raggio_viewer::document::Document;
 
-use crate::{HEADERS, INLINE, ball, check};
+use crate::document::{HEADERS, INLINE, ball, check};
 
 fn scenes() -> Vec<PathBuf> {
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes"));

@@ -2,7 +2,7 @@
 
 use raggio_scene::{Environment, Filter, Geometry, Reflection, Vec3};
 
-use crate::{DOTTED, FORMS, HEADERS, INLINE, ball, check, document, edited, with};
+use crate::document::{DOTTED, FORMS, HEADERS, INLINE, ball, check, document, edited, with};
 
 #[test]
 fn what_is_equal_changes_nothing() {

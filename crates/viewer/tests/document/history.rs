@@ -1,6 +1,6 @@
 //! Undo, redo, gestures.
 
-use crate::{HEADERS, ball, check, document};
+use crate::document::{HEADERS, ball, check, document};
 
 fn shrink(it: &mut raggio_viewer::document::Document, radius: f32) {
     it.set_shape(0, &ball([0.0, 1.0, 0.0], radius), 0).unwrap();

@@ -2,7 +2,7 @@
 
 use raggio_scene::Shape;
 
-use crate::{DOTTED, FORMS, HEADERS, INLINE, ball, check, document, edited, with};
+use crate::document::{DOTTED, FORMS, HEADERS, INLINE, ball, check, document, edited, with};
 
 #[test]
 fn a_shape_is_added_at_the_end() {

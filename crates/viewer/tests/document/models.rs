@@ -5,7 +5,7 @@ use std::fs;
 use raggio_scene::{Geometry, Placement, Vec3};
 use raggio_viewer::document::Document;
 
-use crate::with;
+use crate::document::with;
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n";
 const RED_TRIANGLE: &str = "mtllib it.mtl\nv 0 0 0\nv 1 0 0\nv 0 2 0\nusemtl red\nf 1 2 3\n";

@@ -1,6 +1,6 @@
 //! Edits by path.
 
-use crate::{DOTTED, FORMS, HEADERS, document, edited, with};
+use crate::document::{DOTTED, FORMS, HEADERS, document, edited, with};
 
 #[test]
 fn paths_lead_to_keys_in_every_form() {
@@ -20,7 +20,7 @@ fn paths_lead_to_keys_in_every_form() {
             ("camera.focus_distance", "3"),
         ] {
             assert!(it.edit_path(path, value).unwrap(), "{path}: {}", it.text());
-            crate::check(&it);
+            crate::document::check(&it);
             assert!(!it.edit_path(path, value).unwrap_or(false), "{path}");
         }
         let scene = it.scene();

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use raggio_scene::{Environment, Geometry, Reflection, Shape, Vec3};
 use raggio_viewer::document::Document;
 
-use crate::{FORMS, check, document};
+use crate::document::{FORMS, check, document};
 
 #[derive(Clone, Debug)]
 enum Act {

@@ -2,7 +2,7 @@
 
 use raggio_viewer::document::EditError;
 
-use crate::{FORMS, HEADERS, ball, check, document, edited, with};
+use crate::document::{FORMS, HEADERS, ball, check, document, edited, with};
 
 #[test]
 fn numbers_are_as_short_as_they_can_be() {

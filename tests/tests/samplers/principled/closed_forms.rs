@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3, Vec3};
 use raggio_tests::{Pcg, TestDevice, for_each_device};
 
 use super::{Closure, Sample, WHITE, incident};
-use crate::microfacets::{Facets, fresnel};
+use crate::samplers::microfacets::{Facets, fresnel};
 
 /// Samples whose fourth number, which chooses between reflection and refraction, is spread evenly.
 fn spread(device: &TestDevice, closure: &Closure, wo: Vec3) -> Vec<Sample> {

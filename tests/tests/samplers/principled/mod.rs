@@ -9,7 +9,7 @@ use glam::Vec3;
 use raggio_render::{Answer, Probe, Question};
 use raggio_tests::TestDevice;
 
-use crate::anywhere;
+use crate::samplers::anywhere;
 
 /// `PrincipledClosure` of the kernels.
 #[derive(Clone, Copy, Debug)]

@@ -3,8 +3,6 @@
 //! Needs a Vulkan device that can draw, such as lavapipe, with validation layers, and Xvfb for the tests with a window;
 //! where they are missing the tests say so and pass, unless `RAGGIO_TEST_EVERYTHING=1` says that they have to be there.
 
-#[path = "../common/mod.rs"]
-mod common;
 mod denoise;
 mod desk;
 #[cfg(all(unix, not(target_os = "macos")))]
@@ -15,7 +13,7 @@ mod window;
 
 use std::path::Path;
 
-use common::read_exr;
+use crate::common::read_exr;
 
 /// Noisy enough that no two samples are alike.
 const SCENE: &str = r#"version = 1

@@ -6,6 +6,3 @@ mod gltf;
 mod images;
 mod meshes;
 mod showing;
-
-#[path = "../common/mod.rs"]
-mod common;

@@ -1,0 +1,7 @@
+//! The program `raggio`, run as a user would.
+
+mod common;
+mod film;
+mod refusals;
+mod render;
+mod view;

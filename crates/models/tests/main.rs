@@ -1,0 +1,7 @@
+//! Model files, right and wrong.
+
+mod formats;
+mod gltf;
+mod hostile;
+mod materials;
+mod round_trip;

@@ -1,0 +1,9 @@
+//! Scene files, right and wrong.
+
+mod accepted;
+mod assets;
+mod common;
+mod errors;
+mod hostile;
+mod load;
+mod schema;

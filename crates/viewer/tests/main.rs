@@ -1,0 +1,4 @@
+//! The window's parts that need no window.
+
+mod document;
+mod navigation;

@@ -1,0 +1,13 @@
+//! Kernels and devices against closed forms, double precision, references and one another: one program, for linking takes
+//! longer than many a test, and pipelines are compiled once in it.
+
+mod adaptive;
+mod closed_forms;
+mod determinism;
+mod gltf;
+mod lights;
+mod reference;
+mod samplers;
+mod shapes;
+mod textures;
+mod views;
