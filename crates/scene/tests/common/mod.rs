@@ -1,4 +1,4 @@
-//! What several tests need.
+//! Helpers that several tests need.
 #![allow(dead_code, reason = "each test program uses its part of it")]
 
 use std::path::PathBuf;
@@ -85,7 +85,7 @@ pub fn reference_scene(name: &str) -> PathBuf {
     PathBuf::from(folder).join(format!("{name}.toml"))
 }
 
-/// What every scene that was read without an error promises to those who render it.
+/// Checks the promises that every scene read without an error makes to those who render it.
 pub fn check_invariants(scene: &Scene) {
     check_settings(scene);
     check_camera(scene);
