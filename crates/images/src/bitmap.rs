@@ -5,23 +5,23 @@ pub struct Bitmap {
     pub width: u32,
     /// Texels down, at least 1.
     pub height: u32,
-    /// `width * height` of them.
+    /// Texels of the image, `width * height` of them.
     pub texels: Texels,
 }
 
-/// What an image stores of a texel.
+/// Texels in one of the forms that files store.
 #[derive(Clone, PartialEq)]
 pub enum Texels {
-    /// Red, green, blue, alpha; 255 is 1. As stored: colours are usually sRGB, everything else linear.
+    /// Red, green, blue, alpha; 255 is 1. Values are kept as stored: colours are usually sRGB, everything else linear.
     Rgba8(Vec<[u8; 4]>),
-    /// Red, green, blue, alpha; 65535 is 1. As stored, like `Rgba8`.
+    /// Red, green, blue, alpha; 65535 is 1. Values are kept as stored, like those of `Rgba8`.
     Rgba16(Vec<[u16; 4]>),
     /// Linear red, green, blue, unbounded; finite and not negative. No alpha: it is 1.
     Rgb32F(Vec<[f32; 3]>),
 }
 
 impl Texels {
-    /// How many there are.
+    /// Number of texels.
     pub fn len(&self) -> usize {
         match self {
             Self::Rgba8(texels) => texels.len(),
@@ -30,13 +30,14 @@ impl Texels {
         }
     }
 
-    /// Whether there are none.
+    /// Whether there are no texels.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// An image is compared with itself whenever something that shares it is; that must not take a look at every texel.
+/// Equality of two images, decided at once for one that is compared with itself, as happens whenever two things that
+/// share an image are compared: that must not look at every texel.
 impl PartialEq for Bitmap {
     fn eq(&self, other: &Self) -> bool {
         let same_size = (self.width, self.height) == (other.width, other.height);

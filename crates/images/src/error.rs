@@ -4,58 +4,58 @@ use std::fmt;
 
 use crate::format::Format;
 
-/// Why there is no image. Displayed as `file: problem`, or as the problem alone where no file is known.
+/// Reason why there is no image. Displayed as `file: problem`, or as the problem alone where no file is known.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}{problem}", Prefix(.file.as_deref()))]
 pub struct ImageError {
-    /// The file, if there is one.
+    /// Name of the file, if there is one.
     pub file: Option<String>,
-    /// What is wrong with it.
+    /// Problem of the file or the bytes.
     pub problem: Problem,
 }
 
-/// What is wrong with an image.
+/// Fault of an image.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Problem {
     /// The file cannot be opened or read.
     #[error("cannot be read: {0}")]
     Unreadable(String),
-    /// None of the formats.
+    /// The bytes are of none of the known formats.
     #[error("is not an image that can be read: PNG, JPEG, WebP, Radiance HDR, OpenEXR and KTX2 can")]
     UnknownFormat,
     /// The file is larger than [`Limits::most_bytes`](crate::Limits::most_bytes).
     #[error("has more than {most} bytes, the most that an image may have")]
     FileTooLarge {
-        /// The limit.
+        /// Largest number of bytes allowed.
         most: u64,
     },
-    /// More pixels than [`Limits::most_pixels`](crate::Limits::most_pixels), or more memory than
+    /// The image has more pixels than [`Limits::most_pixels`](crate::Limits::most_pixels), or takes more memory than
     /// [`Limits::most_bytes`](crate::Limits::most_bytes).
     #[error("has {width} x {height} pixels: at most {most_pixels} pixels and {most_bytes} bytes of texels are allowed")]
     TooManyPixels {
-        /// In pixels, as declared.
+        /// Width in pixels, as declared.
         width: u64,
-        /// In pixels, as declared.
+        /// Height in pixels, as declared.
         height: u64,
-        /// The limit.
+        /// Largest number of pixels allowed.
         most_pixels: u64,
-        /// The limit.
+        /// Largest number of bytes of texels allowed.
         most_bytes: u64,
     },
-    /// A valid file, perhaps, of a kind that is not read.
+    /// The file may be valid, but is of a kind that is not read.
     #[error("is {format} of a kind that is not read: {reason}")]
     Unsupported {
-        /// The format.
+        /// Format of the file.
         format: Format,
-        /// What kind, and what would be right.
+        /// Kind of the file, and what would be right.
         reason: String,
     },
     /// The file is damaged.
     #[error("is {format} that is damaged: {reason}")]
     Malformed {
-        /// The format.
+        /// Format of the file.
         format: Format,
-        /// What is wrong.
+        /// Damage found by the decoder.
         reason: String,
     },
 }

@@ -20,7 +20,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// By the first bytes of a file.
+    /// Format that the first bytes of a file tell, or `None` where they are of none of these.
     pub fn of_bytes(bytes: &[u8]) -> Option<Self> {
         match bytes {
             [0x89, b'P', b'N', b'G', ..] => Some(Self::Png),

@@ -1,7 +1,7 @@
 //! Images from files, as plain texels.
 //!
-//! What a file stores is kept: 8 and 16 bits stay what they are, and whether they are sRGB or linear is for whoever
-//! uses them to say, because that is how materials say it.
+//! Values stay as the file stores them: 8 and 16 bits stay what they are, and whether they are sRGB or linear is for
+//! whoever uses them to say, because that is how materials say it.
 //!
 //! | format | what is read of it | texels |
 //! |---|---|---|

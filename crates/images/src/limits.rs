@@ -1,25 +1,25 @@
-//! How large an image may be.
+//! Limits of how large an image may be.
 
 use crate::error::Problem;
 
-/// What is refused before it is decoded.
+/// Sizes above which an image is refused before it is decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Width times height.
+    /// Most pixels, width times height.
     pub most_pixels: u64,
-    /// Of the file, and of the texels in memory. Decoding takes up to three times as much.
+    /// Most bytes of the file, and of the texels in memory. Decoding takes up to three times as much.
     pub most_bytes: u64,
 }
 
 impl Default for Limits {
-    /// 16384 x 16384 pixels, 4 GiB.
+    /// Limits of 16384 x 16384 pixels and 4 GiB.
     fn default() -> Self {
         Self { most_pixels: 1 << 28, most_bytes: 4 << 30 }
     }
 }
 
 impl Limits {
-    /// Checks a declared size; `texel_bytes` is what a texel takes in memory.
+    /// Checks a declared size; `texel_bytes` are the bytes that a texel takes in memory.
     pub(crate) fn check(&self, width: u64, height: u64, texel_bytes: u64) -> Result<(), Problem> {
         let pixels = width.saturating_mul(height);
         // A side of a bitmap is a `u32`.

@@ -1,4 +1,4 @@
-//! From a path or bytes to a bitmap: the format by its magic bytes.
+//! Bitmaps from paths or bytes: the format is told by the magic bytes.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -24,7 +24,7 @@ pub fn decode(bytes: &[u8], limits: &Limits) -> Result<Bitmap, ImageError> {
 /// Reads and decodes an image file; the format is told by its bytes, not by its extension.
 ///
 /// # Errors
-/// As [`decode`], and when the file cannot be read; the file is named.
+/// Those of [`decode`], and one when the file cannot be read; the file is named.
 pub fn load(path: &Path, limits: &Limits) -> Result<Bitmap, ImageError> {
     let result = bytes_of(path, limits.most_bytes).and_then(|bytes| read(&bytes, limits));
     result.map_err(|problem| ImageError { file: Some(printable(&path.display().to_string())), problem })

@@ -10,10 +10,10 @@ use crate::format::Format;
 use crate::guard::{grouped, radiance};
 use crate::limits::Limits;
 
-/// A block of 8 x 8 pixels takes at least a bit in JPEG.
+/// Most pixels per byte of a JPEG: a block of 8 x 8 pixels takes at least a bit.
 const MOST_JPEG_PIXELS_PER_BYTE: u64 = 512;
 
-/// `library_format` is `format` in the library's words.
+/// Decodes an image of `format`, which the library calls `library_format`.
 pub(crate) fn decode(
     format: Format,
     library_format: ImageFormat,
@@ -51,7 +51,7 @@ fn texel_bytes(color: ColorType) -> u64 {
     }
 }
 
-/// Grey becomes red, green and blue alike; without alpha there is 1.
+/// Texels of the image: grey becomes red, green and blue alike, and alpha is 1 where there is none.
 fn texels(image: DynamicImage) -> Texels {
     match image.color() {
         ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {

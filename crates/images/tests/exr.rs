@@ -1,4 +1,4 @@
-//! OpenEXR: whatever the order of channels, the compression, the blocks and the layers.
+//! OpenEXR images with channels in any order, any compression, blocks and layers.
 
 use crate::common::decoded;
 use exr::prelude::*;
@@ -6,7 +6,7 @@ use raggio_images::{Bitmap, Limits, Problem, Texels, decode};
 
 const SIZE: Vec2<usize> = Vec2(37, 21);
 
-/// Distinct in every pixel of a channel and, for the first three channels, exact as halves.
+/// Value of a pixel's channel: distinct in every pixel and, for the first three channels, exact as a half.
 fn value(x: usize, y: usize, channel: usize) -> f32 {
     (x + y * SIZE.0 + channel * 500) as f32 / 4.0
 }
@@ -41,7 +41,7 @@ fn rgb(kinds: [SampleType; 3]) -> Vec<AnyChannel<FlatSamples>> {
     ["R", "G", "B"].iter().zip(kinds).enumerate().map(|(i, (name, kind))| channel(name, i, kind)).collect()
 }
 
-/// What `samples` gives for these channels.
+/// Bitmap that `samples` gives for these channels.
 fn expected(channels: [usize; 3]) -> Bitmap {
     let pixel = |i: usize| channels.map(|c| value(i % SIZE.0, i / SIZE.0, c));
     let texels = Texels::Rgb32F((0..SIZE.area()).map(pixel).collect());
@@ -69,7 +69,7 @@ fn every_compression_and_block() {
     }
 }
 
-/// What these lose is up to the method, so the pixels are those that the crate's own reader gives.
+/// The loss is up to the method, so the pixels are compared with those that the crate's own reader gives.
 #[test]
 fn lossy_compressions_are_what_the_crate_reads() {
     let methods =

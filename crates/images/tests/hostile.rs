@@ -1,6 +1,6 @@
-//! Whatever the bytes: no panic, no abort, and an image within the limits or an error.
+//! Hostile bytes lead to an image within the limits or to an error, never to a panic or an abort.
 //!
-//! `RAGGIO_FUZZ_SECONDS` says how long each format is mutated; two seconds without it.
+//! `RAGGIO_FUZZ_SECONDS` says how long each format is mutated; the default is two seconds.
 
 use std::time::{Duration, Instant};
 
@@ -9,7 +9,7 @@ use exr::prelude::*;
 use image::{DynamicImage, ImageFormat};
 use raggio_images::{Limits, Problem, Texels, decode};
 
-/// Small, so that a file that claims more than it has is noticed.
+/// Limits small enough for a file that claims more than it has to be noticed.
 const LIMITS: Limits = Limits { most_pixels: 1 << 20, most_bytes: 1 << 25 };
 
 const FORMATS: [&str; 6] = ["png", "jpeg", "webp", "hdr", "exr", "ktx2"];
@@ -91,7 +91,7 @@ fn seeds(format: &str) -> Vec<Vec<u8>> {
     }
 }
 
-/// Decoders' panics, which become errors, are not printed; those of these tests are.
+/// Keeps decoders' panics, which become errors, from being printed; those of these tests still are.
 fn silence_decoders() {
     static ONCE: std::sync::Once = std::sync::Once::new();
     ONCE.call_once(|| {
@@ -120,7 +120,7 @@ fn within_a_second(what: &str, run: impl Fn()) {
     }
 }
 
-/// Decodes; what comes out fits together.
+/// Decodes the bytes and checks that whatever comes out fits together.
 fn check(bytes: &[u8]) {
     match decode(bytes, &LIMITS) {
         Ok(bitmap) => {
@@ -156,7 +156,7 @@ fn truncated_at_every_byte() {
     }
 }
 
-/// The four bytes at `at` become `number`.
+/// The bytes with the four at `at` replaced by `number`.
 fn with(mut bytes: Vec<u8>, at: usize, number: [u8; 4]) -> Vec<u8> {
     bytes[at..at + 4].copy_from_slice(&number);
     bytes
@@ -201,7 +201,7 @@ fn huge_dimensions_are_refused_at_once() {
     let window = position(&exr, b"dataWindow\0box2i\0") + 17 + 4 + 8;
     let files = [
         jpeg([0xff; 4]),
-        // Within the limits, but beyond what so few bytes can hold.
+        // These sizes are within the limits, but beyond what so few bytes can hold.
         jpeg([0x3f, 0xff, 0x3f, 0xff]),
         with(with(png.clone(), 16, [0x7f; 4]), 20, [0x7f; 4]),
         hdr.into_bytes(),
@@ -222,12 +222,12 @@ fn huge_dimensions_are_refused_at_once() {
     }
     let reason = decode(&empty_exr(), &Limits::default()).unwrap_err().to_string();
     assert!(reason.contains("0 bytes cannot hold a block of 16384 x 256 pixels"), "{reason}");
-    // The size of a WebP in an extended header.
+    // A WebP whose extended header declares the largest size.
     let webp = [b"RIFF\x1e\0\0\0WEBPVP8X\x0a\0\0\0\0\0\0\0", [0xff; 6].as_slice(), b"VP8 \0\0\0\0"].concat();
     assert!(decode(&webp, &Limits::default()).is_err());
 }
 
-/// SplitMix64.
+/// SplitMix64, a generator of random numbers.
 struct Rng(u64);
 
 impl Rng {
@@ -243,7 +243,7 @@ fn index(rng: &mut Rng, count: usize) -> usize {
     rng.next_u32() as usize % count
 }
 
-/// One to eight changes: bytes replaced, flipped, inserted, removed, repeated, or numbers made extreme.
+/// Makes one to eight changes: bytes replaced, flipped, inserted, removed, repeated, or numbers made extreme.
 fn mutate(bytes: &mut Vec<u8>, rng: &mut Rng) {
     const NUMBERS: [u32; 8] = [0, 1, 0x7f, 0xff, 0x7fff_ffff, 0x8000_0000, 0xffff_ffff, 0x0001_0000];
     for _ in 0..=index(rng, 8) {
@@ -270,7 +270,7 @@ fn mutate(bytes: &mut Vec<u8>, rng: &mut Rng) {
     }
 }
 
-/// Mutates for a while; each run makes the same changes for as far as it gets.
+/// Mutates files of a format for a while; each run makes the same changes for as far as it gets.
 fn fuzz(format: &str) {
     silence_decoders();
     let seconds = std::env::var("RAGGIO_FUZZ_SECONDS").ok().and_then(|seconds| seconds.parse().ok()).unwrap_or(2.0);

@@ -72,7 +72,7 @@ fn png_palettes_and_transparent_colours() {
     assert_eq!(rgba8(&bits), [[255; 4], [0, 0, 0, 255], [255; 4]]);
 }
 
-/// A gamma of 1 and a middle grey: nothing is made of the gamma.
+/// A file with a gamma of 1 and a middle grey keeps the grey: nothing is made of the gamma.
 #[test]
 fn srgb_is_not_touched() {
     let bytes = png(ColorType::Rgb, BitDepth::Eight, (1, 1), &[128, 64, 32], |encoder| {
@@ -127,7 +127,7 @@ fn files_are_named() {
     let path = folder.path().join("a\u{1b}b.jpg");
     let name = |path: &std::path::Path| load(path, &Limits::default()).unwrap_err().to_string();
     assert!(name(&path).contains("a\\u{1b}b.jpg: cannot be read"), "{}", name(&path));
-    // The extension does not count.
+    // The format is told by the bytes, not by the extension.
     std::fs::write(&path, png(ColorType::Rgba, BitDepth::Eight, (3, 2), RGBA.as_flattened(), |_| {})).unwrap();
     assert_eq!(load(&path, &Limits::default()).unwrap().width, 3);
     assert!(name(folder.path()).contains("cannot be read"));

@@ -10,9 +10,9 @@ use std::fmt;
 pub struct ModelError {
     /// The file, as the caller named it.
     pub file: String,
-    /// Where in the file.
+    /// Place in the file.
     pub place: Place,
-    /// One sentence: what is wrong, what would be right.
+    /// One sentence that says what is wrong and what would be right.
     pub message: String,
 }
 
@@ -37,7 +37,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// An error whose file is not known yet.
+/// A problem whose file is not known yet.
 #[derive(Debug)]
 pub(crate) struct Fault {
     place: Place,
@@ -57,7 +57,7 @@ impl Fault {
         Self::new(Place::Line(line), message)
     }
 
-    /// Names the file.
+    /// The error of this fault in the file called `file`.
     pub(crate) fn of(self, file: &str) -> ModelError {
         ModelError { file: file.to_string(), place: self.place, message: self.message }
     }

@@ -1,25 +1,26 @@
-//! How files are read: under a limit of bytes, and inside a folder.
+//! Reading of files, under a limit of bytes and inside a folder.
 
 use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
-/// What [`LoadOptions::most_bytes`] is unless somebody says otherwise.
+/// Default of [`LoadOptions::most_bytes`].
 pub const MOST_BYTES: u64 = 4 << 30;
 
-/// How a model is to be read.
+/// Options for reading a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadOptions {
-    /// When to sample animations; without it nothing is animated.
+    /// Time at which animations are sampled, in seconds; without it nothing is animated.
     pub time_seconds: Option<f64>,
     /// Whether libraries, buffers and images may lie outside the folder of the file.
     pub allow_outside: bool,
-    /// Larger files are refused before they are read, and textures that take more bytes in all are left out.
+    /// Most bytes of a file: larger ones are refused before they are read, and textures that take more in all are left
+    /// out.
     pub most_bytes: u64,
 }
 
 impl Default for LoadOptions {
-    /// At rest, inside its folder, at most [`MOST_BYTES`].
+    /// Options for a model at rest, inside its folder, of at most [`MOST_BYTES`].
     fn default() -> Self {
         Self { time_seconds: None, allow_outside: false, most_bytes: MOST_BYTES }
     }
@@ -35,13 +36,13 @@ pub fn path_inside(folder: &Path, name: &str) -> Option<PathBuf> {
     inside.then(|| folder.join(name))
 }
 
-/// As [`path_inside`], or anywhere if the options allow it.
+/// The path that [`path_inside`] gives, or one anywhere if the options allow it.
 pub(crate) fn path_near(folder: &Path, name: &str, options: &LoadOptions) -> Option<PathBuf> {
     let anywhere = || folder.join(name.replace('\\', "/"));
     if options.allow_outside { Some(anywhere()) } else { path_inside(folder, name) }
 }
 
-/// The whole file, or why not.
+/// Bytes of the whole file, or the reason why it cannot be read.
 pub(crate) fn read(path: &Path, most_bytes: u64) -> Result<Vec<u8>, String> {
     let cannot = |error: std::io::Error| match error.kind() {
         std::io::ErrorKind::NotFound => "does not exist".to_string(),

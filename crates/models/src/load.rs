@@ -1,4 +1,4 @@
-//! From a path to a model: the format by its extension, the bytes under a limit, and the libraries next to an OBJ.
+//! Models from paths: the format is told by the extension, bytes are under a limit, libraries lie next to an OBJ.
 
 use std::path::Path;
 
@@ -12,9 +12,9 @@ use crate::obj::textures::Textures;
 use crate::text::escaped;
 use crate::{parse_mtl, parse_obj, parse_ply, parse_stl};
 
-/// Larger material libraries are refused before they are read.
+/// Most bytes of a material library; larger ones are refused before they are read.
 const MOST_LIBRARY_BYTES: u64 = 16 << 20;
-/// More libraries than this are not opened.
+/// Most libraries that are opened.
 const MOST_LIBRARIES: usize = 64;
 
 /// A format of mesh files.
@@ -29,7 +29,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// By the extension, in any case.
+    /// Format that the extension tells, in upper or lower case.
     pub fn of_path(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "ply" => Some(Self::Ply),
@@ -66,7 +66,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Model, ModelError> {
     Ok(file.into_model(&stem, materials))
 }
 
-/// By the extension, in any case.
+/// Whether the extension, in upper or lower case, is glTF's.
 fn is_gltf(path: &Path) -> bool {
     path.extension().is_some_and(|extension| ["gltf", "glb"].iter().any(|name| extension.eq_ignore_ascii_case(name)))
 }

@@ -11,65 +11,65 @@ use raggio_images::Bitmap;
 pub struct Principled {
     /// Reflected colour of the diffuse part, or of a metal at normal incidence; each 0 to 1.
     pub base_color: [f32; 3],
-    /// RGB times `base_color`, A times `alpha`; RGB is stored as sRGB.
+    /// RGB multiplies `base_color`, A multiplies `alpha`; RGB is stored as sRGB.
     pub base_color_texture: Option<Texture>,
     /// Coverage, 0 to 1; see `alpha_mode`.
     pub alpha: f32,
-    /// What coverage does.
+    /// Effect of the coverage.
     pub alpha_mode: AlphaMode,
-    /// 0 dielectric to 1 metal.
+    /// Metalness, from 0 dielectric to 1 metal.
     pub metallic: f32,
-    /// Perceptual, 0 smooth to 1; GGX's width is its square.
+    /// Perceptual roughness, from 0 smooth to 1; GGX's width is its square.
     pub roughness: f32,
-    /// G times `roughness`, B times `metallic`; linear.
+    /// G multiplies `roughness`, B multiplies `metallic`; linear.
     pub metallic_roughness_texture: Option<Texture>,
-    /// In the tangent space of its texture coordinates; linear.
+    /// Normals in the tangent space of the texture's coordinates; linear.
     pub normal_texture: Option<Texture>,
     /// Multiplies the x and y of `normal_texture`.
     pub normal_scale: f32,
     /// Emitted radiance, strength included.
     pub emissive: [f32; 3],
-    /// RGB times `emissive`; stored as sRGB.
+    /// RGB multiplies `emissive`; stored as sRGB.
     pub emissive_texture: Option<Texture>,
     /// Refractive index, at least 1; 0 stands for an infinite one (no Fresnel effect).
     pub ior: f32,
     /// Strength of the specular reflection of dielectrics, 0 to 1.
     pub specular: f32,
-    /// A times `specular`; linear.
+    /// A multiplies `specular`; linear.
     pub specular_texture: Option<Texture>,
     /// Colour of the specular reflection of dielectrics at normal incidence, 0 and more.
     pub specular_color: [f32; 3],
-    /// RGB times `specular_color`; stored as sRGB.
+    /// RGB multiplies `specular_color`; stored as sRGB.
     pub specular_color_texture: Option<Texture>,
     /// Part of the light that is refracted into the body instead of scattered diffusely, 0 to 1.
     pub transmission: f32,
-    /// R times `transmission`; linear.
+    /// R multiplies `transmission`; linear.
     pub transmission_texture: Option<Texture>,
     /// Part of the diffuse light that leaves on the other side, 0 to 1.
     pub diffuse_transmission: f32,
-    /// A times `diffuse_transmission`; linear.
+    /// A multiplies `diffuse_transmission`; linear.
     pub diffuse_transmission_texture: Option<Texture>,
     /// Colour of the diffusely transmitted light.
     pub diffuse_transmission_color: [f32; 3],
-    /// RGB times `diffuse_transmission_color`; stored as sRGB.
+    /// RGB multiplies `diffuse_transmission_color`; stored as sRGB.
     pub diffuse_transmission_color_texture: Option<Texture>,
-    /// The surface is an infinitely thin sheet: what is transmitted is not bent, and there is no inside.
+    /// Whether the surface is an infinitely thin sheet: transmitted light is not bent, and there is no inside.
     pub thin_walled: bool,
-    /// What is left of white light after `attenuation_distance` inside the body.
+    /// Colour that is left of white light after `attenuation_distance` inside the body.
     pub attenuation_color: [f32; 3],
-    /// Positive; infinite where nothing is absorbed.
+    /// Distance after which `attenuation_color` is left; positive, infinite where nothing is absorbed.
     pub attenuation_distance: f32,
-    /// 20 over the Abbe number; 0 bends all colours alike.
+    /// Dispersion as 20 over the Abbe number; 0 bends all colours alike.
     pub dispersion: f32,
-    /// Of overlapping dielectrics the higher wins.
+    /// Rank among overlapping dielectrics: the highest wins.
     pub priority: i32,
     /// Strength of the clear coat, 0 to 1.
     pub clearcoat: f32,
-    /// R times `clearcoat`; linear.
+    /// R multiplies `clearcoat`; linear.
     pub clearcoat_texture: Option<Texture>,
-    /// Perceptual.
+    /// Perceptual roughness of the clear coat, 0 to 1.
     pub clearcoat_roughness: f32,
-    /// G times `clearcoat_roughness`; linear.
+    /// G multiplies `clearcoat_roughness`; linear.
     pub clearcoat_roughness_texture: Option<Texture>,
     /// Normals of the coat; without it the coat has the geometry's.
     pub clearcoat_normal_texture: Option<Texture>,
@@ -77,34 +77,34 @@ pub struct Principled {
     pub clearcoat_normal_scale: f32,
     /// Reflectance of the sheen at grazing angles; black is no sheen.
     pub sheen_color: [f32; 3],
-    /// RGB times `sheen_color`; stored as sRGB.
+    /// RGB multiplies `sheen_color`; stored as sRGB.
     pub sheen_color_texture: Option<Texture>,
-    /// Perceptual.
+    /// Perceptual roughness of the sheen, 0 to 1.
     pub sheen_roughness: f32,
-    /// A times `sheen_roughness`; linear.
+    /// A multiplies `sheen_roughness`; linear.
     pub sheen_roughness_texture: Option<Texture>,
-    /// 0 to 1.
+    /// Stretch of the highlights, 0 to 1.
     pub anisotropy: f32,
-    /// Radians from the tangent, counter-clockwise.
+    /// Angle of the stretch from the tangent in radians, counter-clockwise.
     pub anisotropy_rotation: f32,
-    /// RG a direction in [-1, 1] that is turned by `anisotropy_rotation`, B times `anisotropy`; linear.
+    /// RG is a direction in [-1, 1] that is turned by `anisotropy_rotation`, B multiplies `anisotropy`; linear.
     pub anisotropy_texture: Option<Texture>,
     /// Strength of the thin film, 0 to 1.
     pub iridescence: f32,
-    /// R times `iridescence`; linear.
+    /// R multiplies `iridescence`; linear.
     pub iridescence_texture: Option<Texture>,
     /// Refractive index of the film.
     pub iridescence_ior: f32,
-    /// Nanometres where `iridescence_thickness_texture` is 0.
+    /// Thickness of the film in nanometres where `iridescence_thickness_texture` is 0.
     pub iridescence_thickness_minimum: f32,
-    /// Nanometres where it is 1, or where there is none.
+    /// Thickness of the film in nanometres where `iridescence_thickness_texture` is 1, or where there is none.
     pub iridescence_thickness_maximum: f32,
     /// G chooses between the two thicknesses; linear.
     pub iridescence_thickness_texture: Option<Texture>,
 }
 
 impl Default for Principled {
-    /// glTF's defaults, but for `metallic`, which is 0.
+    /// Material with glTF's defaults, except that `metallic` is 0.
     fn default() -> Self {
         Self {
             base_color: [1.0; 3],
@@ -157,30 +157,30 @@ impl Default for Principled {
     }
 }
 
-/// What a surface's coverage does.
+/// Effect of a surface's coverage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum AlphaMode {
-    /// Nothing: the surface is whole.
+    /// Coverage has no effect: the surface is whole.
     #[default]
     Opaque,
-    /// Where coverage is below this cutoff there is no surface.
+    /// The surface is absent where coverage is below this cutoff.
     Mask(f32),
-    /// The part of light that meets the surface; the rest passes.
+    /// Coverage is the part of light that meets the surface; the rest passes.
     Blend,
 }
 
 /// An image and how it lies on a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
-    /// Shared among all its uses.
+    /// Image, shared among all its uses.
     pub image: Arc<Bitmap>,
-    /// Which of the mesh's sets of texture coordinates, 0 or 1.
+    /// Index of the mesh's set of texture coordinates, 0 or 1.
     pub uv_set: u8,
     /// Rows of an affine map from texture coordinates to the image's: (0, 0) is its top left corner, (1, 1) its bottom right.
     pub transform: [[f32; 3]; 2],
-    /// Beyond 0 to 1, along u and v.
+    /// Continuation of the image beyond 0 to 1, along u and v.
     pub wrap: [Wrap; 2],
-    /// Between texels.
+    /// Interpolation between texels.
     pub filter: TextureFilter,
 }
 
@@ -194,24 +194,24 @@ impl Texture {
     }
 }
 
-/// What lies beyond an image's edges.
+/// Continuation of an image beyond its edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
-    /// The image again.
+    /// The image is repeated.
     #[default]
     Repeat,
-    /// The image mirrored, then again as it is.
+    /// The image is mirrored, then repeated as it is.
     MirroredRepeat,
-    /// Its outermost texels.
+    /// The outermost texels go on.
     ClampToEdge,
 }
 
-/// What lies between the centres of texels.
+/// Interpolation between the centres of texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TextureFilter {
-    /// A blend of the four around.
+    /// Blend of the four texels around.
     #[default]
     Linear,
-    /// The nearest.
+    /// Value of the nearest texel.
     Nearest,
 }

@@ -9,15 +9,16 @@ use crate::obj::mtl::MtlMaterial;
 /// Triangles over shared vertices; every list over vertices has the length of `positions`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// One per vertex, in the file's units and axes.
+    /// Positions of the vertices, in the file's units and axes.
     pub positions: Vec<[f32; 3]>,
-    /// As stored, of any length; zero where this vertex has none and the triangle's own normal is meant.
+    /// Normals as stored, of any length; zero where a vertex has none and the triangle's own normal is meant.
     pub normals: Option<Vec<[f32; 3]>>,
     /// Two sets of texture coordinates, as stored.
     pub uvs: [Option<Vec<[f32; 2]>>; 2],
     /// Linear red, green, blue, alpha, usually 0 to 1; they multiply a material's base colour and alpha.
     pub colors: Option<Vec<[f32; 4]>>,
-    /// Unit tangents along increasing u of the normal map's coordinates; the fourth is 1 or -1: the bitangent is that times normal x tangent.
+    /// Unit tangents along increasing u of the normal map's coordinates; the fourth component, 1 or -1, times normal x
+    /// tangent is the bitangent.
     pub tangents: Option<Vec<[f32; 4]>>,
     /// Indices of vertices, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
@@ -28,30 +29,31 @@ pub struct Mesh {
 /// Consecutive triangles that share a name and a material.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Part {
-    /// The group, object or solid of the file; may be empty. Shared, because one name may have many parts.
+    /// Name of the file's group, object or solid; may be empty. Shared, because one name may have many parts.
     pub name: Arc<str>,
     /// An index into [`Model::materials`](crate::Model::materials).
     pub material: Option<usize>,
-    /// Which of [`Mesh::triangles`].
+    /// Range of [`Mesh::triangles`].
     pub triangles: Range<usize>,
 }
 
-/// What a file holds.
+/// Contents of a mesh file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshFile {
     /// All triangles of the file.
     pub mesh: Mesh,
-    /// Of OBJ in the order of their first use, only names until a library is applied; of PLY the one that a texture makes.
+    /// Materials of the file. Those of OBJ are in the order of their first use, only names until a library is applied;
+    /// PLY has the one that a texture makes.
     pub materials: Vec<MtlMaterial>,
-    /// OBJ only: the names of the material libraries. Not safe as paths: see [`crate::path_inside`].
+    /// Names of the material libraries, in OBJ only. Not safe as paths: see [`crate::path_inside`].
     pub libraries: Vec<String>,
-    /// What cleaning took away.
+    /// Counts of what cleaning took away.
     pub dropped: Dropped,
-    /// What else the user may want to know, one sentence each, without the file's name.
+    /// Warnings for the user, one sentence each, without the file's name.
     pub warnings: Vec<String>,
 }
 
-/// What [`Mesh::clean`] took away or replaced.
+/// Counts of what [`Mesh::clean`] took away or replaced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Dropped {
     /// Triangles without area, and polygons with fewer than three corners.
@@ -186,7 +188,7 @@ impl Mesh {
         self.parts.retain(|part| !part.triangles.is_empty());
     }
 
-    /// Bounds are taken over vertices, so those that are not finite have to go even where no triangle uses them.
+    /// Drops vertices that are not finite even where no triangle uses them, because bounds are taken over all vertices.
     fn drop_vertices(&mut self) {
         let finite: Vec<bool> = self.positions.iter().map(|p| p.iter().all(|x| x.is_finite())).collect();
         if finite.iter().all(|finite| *finite) {
@@ -215,7 +217,8 @@ fn keep<T>(list: &mut Vec<T>, wanted: &[bool]) {
     list.retain(|_| wanted.next().copied().unwrap_or(false));
 }
 
-/// In double precision, where neither the differences nor the products of single ones overflow or vanish.
+/// Whether a triangle has no area, in double precision: neither differences nor products of single-precision numbers
+/// overflow or vanish in it.
 fn has_no_area(corners: [[f32; 3]; 3]) -> bool {
     let [a, b, c] = corners.map(|corner| corner.map(f64::from));
     let u = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];

@@ -1,6 +1,6 @@
-//! From polygons to triangles: fans for convex ones, ears for the others.
+//! Triangulation of polygons: fans for convex ones, ears for the others.
 
-/// Point tests per file; a file made to need more gets fans for the rest.
+/// Most point tests per file; a file made to need more gets fans for the rest.
 const MOST_TESTS: u64 = 1 << 29;
 
 /// Cuts polygons into triangles, with a budget of work for the whole file.
@@ -31,7 +31,7 @@ impl Triangulator {
         }
     }
 
-    /// Cuts ears off until what is left in the ring is convex, hopeless or over budget: then a fan has to do.
+    /// Cuts ears off until the rest of the ring is convex, hopeless or over budget: then a fan has to do.
     fn cut_ears(&mut self, corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
         if self.is_convex() {
             return;
@@ -71,7 +71,7 @@ impl Triangulator {
     }
 }
 
-/// Looks along the axis in which the polygon has most area, so that it turns to the left.
+/// Projects the polygon along the axis in which it has most area, so that it turns to the left.
 fn flatten(count: usize, position: impl Fn(usize) -> [f32; 3], flat: &mut Vec<[f64; 2]>) {
     let at = |i: usize| position(i % count).map(f64::from);
     // Newell's normal, relative to the first corner to keep the digits of polygons far from the origin.

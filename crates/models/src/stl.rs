@@ -13,7 +13,7 @@ use crate::text::{Words, quoted};
 
 const HEADER_BYTES: usize = 84;
 const FACET_BYTES: usize = 50;
-/// An ascii file has its first facet within so many bytes.
+/// Bytes within which an ascii file has its first facet.
 const ASCII_PROBE_BYTES: usize = 4096;
 
 /// Reads an STL file; `name` stands for the file in messages. Vertices at the same place become one.
@@ -55,7 +55,7 @@ fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<(Mesh, usize), Fault
     }
 }
 
-/// How long a binary file with this header would be.
+/// Length in bytes of a binary file with this header.
 fn binary_length(bytes: &[u8]) -> Option<u64> {
     let count = bytes.get(80..HEADER_BYTES)?.first_chunk()?;
     Some(HEADER_BYTES as u64 + FACET_BYTES as u64 * u64::from(u32::from_le_bytes(*count)))

@@ -2,7 +2,7 @@
 
 use crate::error::{Fault, Place};
 
-/// More of a file's own words than this is not repeated in a message.
+/// Most characters of a file's own words that are repeated in a message.
 const MOST_QUOTED_CHARS: usize = 40;
 
 /// The words of a text, one after the other, and the line each stands on.
@@ -13,7 +13,7 @@ pub(crate) struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    /// `line` is the number of the line that `position` stands on.
+    /// Words from `position` on, which stands on the line of number `line`.
     pub(crate) fn new(bytes: &'a [u8], position: usize, line: usize) -> Self {
         Self { bytes, position, line }
     }
@@ -33,7 +33,7 @@ impl<'a> Words<'a> {
         (length > 0).then(|| &rest[..length])
     }
 
-    /// What is left of the current line, without blanks around it.
+    /// Rest of the current line, without blanks around it.
     pub(crate) fn rest_of_line(&mut self) -> &'a [u8] {
         let rest = self.bytes.get(self.position..).unwrap_or_default();
         let length = rest.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(rest.len());

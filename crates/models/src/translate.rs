@@ -1,4 +1,4 @@
-//! From what PLY, STL and OBJ hold to a [`Model`]: one mesh, placed once.
+//! Translation of PLY, STL and OBJ into a [`Model`]: one mesh, placed once.
 
 use std::sync::Arc;
 

@@ -14,13 +14,13 @@ use cache::{Cache, Key};
 
 pub(crate) use imported::{Bounds, Imported, can_be_undone};
 
-/// How models are read.
+/// Options for reading models.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AssetOptions {
-    /// Whether a model may name files outside its own folder. What a scene file names is its writer's choice, and may
-    /// lie anywhere; a model comes from somebody else.
+    /// Whether a model may name files outside its own folder. The files that a scene names are its writer's choice and
+    /// may lie anywhere; a model comes from somebody else.
     pub allow_outside: bool,
-    /// The moment of all animations, in place of what the scene file says.
+    /// Time at which all animations are sampled, in place of the scene file's.
     pub time_seconds: Option<f64>,
     /// Width and height, in pixels, of the pictures of models that are shown without a scene file.
     pub picture: Option<[u32; 2]>,
@@ -28,8 +28,9 @@ pub struct AssetOptions {
 
 /// Models and images, kept from one reading of a scene to the next.
 ///
-/// A scene that is read again, because its text was edited, finds here what it named before, and no file is touched. What
-/// it no longer names is forgotten. What has changed on disk is read again after [`Assets::refresh`].
+/// A scene that is read again, because its text was edited, finds here the files that it named before, and no file is
+/// touched. Files that it no longer names are forgotten; those that have changed on disk are read again after
+/// [`Assets::refresh`].
 #[derive(Debug, Default)]
 pub struct Assets {
     options: AssetOptions,
@@ -40,30 +41,31 @@ pub struct Assets {
 }
 
 impl Assets {
-    /// Without any file yet.
+    /// Assets that have not read any file yet.
     pub fn new(options: AssetOptions) -> Self {
         Self { options, ..Self::default() }
     }
 
-    /// What was asked for.
+    /// Options that these assets were made with.
     pub fn options(&self) -> AssetOptions {
         self.options
     }
 
-    /// The files that the last scene was made of, by their canonical paths and in no order; not what models name in turn.
+    /// Files that the last scene was made of, by their canonical paths and in no order; not those that models name in
+    /// turn.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.models.files().chain(self.images.files())
     }
 
-    /// Forgets every file that is not what it was when it was read. Whether there was one, now or since a scene was last
-    /// read without an error.
+    /// Forgets every file that has changed since it was read. Returns whether there was one, now or since a scene was
+    /// last read without an error.
     pub fn refresh(&mut self) -> bool {
         self.is_stale |= self.models.refresh();
         self.is_stale |= self.images.refresh();
         self.is_stale
     }
 
-    /// A scene has been made: forgets what it did not ask for.
+    /// Forgets all files that the scene just made did not ask for.
     pub(crate) fn sweep(&mut self) {
         self.is_stale = false;
         self.models.sweep();
@@ -95,7 +97,7 @@ impl Assets {
     }
 }
 
-/// What is wrong with a file; shown right after the file's name.
+/// Problem of a file; shown right after the file's name.
 #[derive(Debug, thiserror::Error)]
 #[error("{place}: {message}")]
 pub(crate) struct Trouble {
@@ -114,7 +116,7 @@ pub fn is_model(path: &Path) -> bool {
     has_extension(path, &["gltf", "glb", "ply", "obj", "stl"])
 }
 
-/// Other formats are the same at every time.
+/// Whether the file's format has animations; other formats are equal at every time.
 fn is_animated(path: &Path) -> bool {
     has_extension(path, &["gltf", "glb"])
 }

@@ -1,5 +1,5 @@
-//! From what the file says to the scene: defaults that depend on other keys, and every check that
-//! needs more than one number.
+//! Conversion of the file's types into the scene: defaults that depend on other keys, and every check that needs more
+//! than one number.
 
 mod environment;
 mod materials;
@@ -22,7 +22,8 @@ use crate::scene::{Camera, Environment, Filter, Geometry, Material, RenderSettin
 /// Sine of the smallest angle between `up` and the viewing direction.
 const PARALLEL: f64 = 1e-5;
 
-/// The scene, its warnings still apart; the first fault in the order of the sections. Paths are relative to `folder`.
+/// The scene and, apart from it, its warnings; or the first fault in the order of the sections. Paths are relative to
+/// `folder`.
 pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets) -> Result<(Scene, Vec<Fault>), Fault> {
     let mut warnings = Vec::new();
     let files = &mut Files { folder, assets };
@@ -51,7 +52,7 @@ pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets) -> Res
     Ok((scene, warnings))
 }
 
-/// Where a scene's files are.
+/// Places of a scene's files.
 struct Files<'a> {
     folder: &'a Path,
     assets: &'a mut Assets,
@@ -61,14 +62,14 @@ struct Files<'a> {
 struct Builder<'a, 'f> {
     scene: &'a mut Scene,
     files: &'a mut Files<'f>,
-    /// Each material of the file, by its name.
+    /// Index of each material of the file, by its name.
     indices: HashMap<&'a str, usize>,
     warnings: &'a mut Vec<Fault>,
-    /// The models met so far, and where their own materials begin if they are used.
+    /// Models met so far, each with the index of the first of its own materials if these are used.
     first_materials: HashMap<*const Imported, Option<usize>>,
 }
 
-/// As 32-bit floats; the types of the file have checked that they are in range.
+/// Vector of 32-bit floats; the types of the file have checked that the numbers are in range.
 fn vec3<T: Into<f64>>(numbers: [T; 3]) -> Vec3 {
     dvec3(numbers).as_vec3()
 }
@@ -77,7 +78,7 @@ fn dvec3<T: Into<f64>>(numbers: [T; 3]) -> DVec3 {
     DVec3::from(numbers.map(Into::into))
 }
 
-/// The ranges of the file's types make these casts exact.
+/// Settings of the renderer; the ranges of the file's types make these casts exact.
 fn render(file: &RenderFile) -> RenderSettings {
     RenderSettings {
         width: file.width.0 as u32,
@@ -101,7 +102,7 @@ fn render(file: &RenderFile) -> RenderSettings {
     }
 }
 
-/// Checks what 32 bits make of the numbers: two points that they cannot tell apart are equal.
+/// Camera of the file. Numbers are checked as 32-bit floats: two points that these cannot tell apart are equal.
 fn camera(file: &CameraFile) -> Result<Camera, Fault> {
     let position = vec3(file.position);
     let look_at = vec3(file.look_at);

@@ -1,4 +1,4 @@
-//! How much there is in a scene.
+//! Counts of the things in a scene.
 
 use std::collections::HashSet;
 use std::ptr::from_ref;
@@ -7,21 +7,21 @@ use raggio_models::{Principled, Texture};
 
 use crate::scene::{Environment, Geometry, Scene};
 
-/// How much there is in a scene; what is shared counts once.
+/// Counts of the things in a scene; shared ones count once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Of all meshes.
+    /// Number of triangles of all meshes.
     pub triangles: usize,
-    /// However often they are seen.
+    /// Number of meshes, however often they are seen.
     pub meshes: usize,
-    /// Shapes that show a mesh.
+    /// Number of shapes that show a mesh.
     pub instances: usize,
-    /// Images of materials and of the environment.
+    /// Number of images of materials and of the environment.
     pub textures: usize,
 }
 
 impl Scene {
-    /// Counts what takes memory.
+    /// Counts the things that take memory.
     pub fn counts(&self) -> Counts {
         let mut counts = Counts::default();
         let mut meshes = HashSet::new();

@@ -1,6 +1,6 @@
 //! The one error of this crate.
 
-/// What is wrong with a scene, and where.
+/// A problem of a scene, and its place.
 ///
 /// Displayed as `file:line:column: message`, as `file:line: message` (a model's), or as `file: message` when there is no
 /// place to name.
@@ -9,11 +9,11 @@
 pub struct SceneError {
     /// The file, as the caller named it.
     pub file: String,
-    /// Counted from 1; 0 when the error is about the file as a whole.
+    /// Line, counted from 1; 0 when the error is about the file as a whole.
     pub line: usize,
-    /// In characters, counted from 1; 0 when the error is about the line or the file as a whole.
+    /// Column in characters, counted from 1; 0 when the error is about the line or the file as a whole.
     pub column: usize,
-    /// One sentence: what is wrong, what would be right.
+    /// One sentence that says what is wrong and what would be right.
     pub message: String,
 }
 

@@ -1,4 +1,4 @@
-//! A fault: what is wrong at which path of the file, before it is known on which line that is.
+//! A fault: a problem at a path of the file, before the line that it stands on is known.
 
 use std::fmt::{self, Display};
 
@@ -23,7 +23,7 @@ impl From<usize> for Step {
     }
 }
 
-/// `steps!["shapes", 3, "sphere"]`
+/// List of the steps of a path, as in `steps!["shapes", 3, "sphere"]`.
 macro_rules! steps {
     ($($step:expr),*) => { vec![$($crate::fault::Step::from($step)),*] };
 }
@@ -31,7 +31,7 @@ pub(crate) use steps;
 
 #[derive(Debug)]
 pub(crate) struct Fault {
-    /// From the top of the file to what is wrong; kept innermost first while serde unwinds.
+    /// Steps from the top of the file to the problem; kept innermost first while serde unwinds.
     steps_inwards: Vec<Step>,
     pub(crate) kind: Kind,
 }
@@ -43,24 +43,24 @@ pub(crate) enum Kind {
         known: &'static [&'static str],
     },
     MissingKey(&'static str),
-    /// `found` is absent where the value's own text says it best.
+    /// A value of another type than `expected`; `found` is absent where the value's own text says it best.
     WrongType {
         expected: String,
         found: Option<&'static str>,
     },
-    /// A list of so many numbers was expected, another number of them found.
+    /// A list of another length than was expected.
     WrongLength {
         expected: usize,
         found: usize,
     },
-    /// "must be ...", and what may help.
+    /// A value that a rule forbids: "must be ...", and advice that may help.
     WrongValue {
         must: String,
         advice: Option<String>,
     },
-    /// A whole sentence about the value.
+    /// A fault of the value, as a whole sentence.
     Value(String),
-    /// A whole sentence about the key.
+    /// A fault of the key, as a whole sentence.
     Key(String),
 }
 
@@ -69,17 +69,17 @@ impl Fault {
         Self { steps_inwards: Vec::new(), kind }
     }
 
-    /// A whole sentence about the value at `path`.
+    /// A fault of the value at `path`, as a whole sentence.
     pub(crate) fn value(path: Vec<Step>, sentence: impl Into<String>) -> Self {
         Self::new(Kind::Value(sentence.into())).below(path)
     }
 
-    /// A whole sentence about the key at `path`.
+    /// A fault of the key at `path`, as a whole sentence.
     pub(crate) fn key(path: Vec<Step>, sentence: impl Into<String>) -> Self {
         Self::new(Kind::Key(sentence.into())).below(path)
     }
 
-    /// The same fault, seen from the table or list that reaches it by `step`.
+    /// This fault, seen from the table or list that reaches it by `step`.
     pub(crate) fn inside(mut self, step: Step) -> Self {
         self.steps_inwards.push(step);
         self
@@ -90,12 +90,12 @@ impl Fault {
         self
     }
 
-    /// From the top of the file.
+    /// Path from the top of the file.
     pub(crate) fn path(&self) -> Vec<Step> {
         self.steps_inwards.iter().rev().cloned().collect()
     }
 
-    /// The sentence for the user; `text` is how the file writes the value in question.
+    /// Sentence for the user; `text` is the value in question as the file writes it.
     pub(crate) fn sentence(&self, text: &str) -> String {
         let path = self.path();
         match &self.kind {
@@ -133,7 +133,7 @@ fn missing_key(path: &[Step], key: &str) -> String {
     }
 }
 
-/// The table at `path`, with its preposition.
+/// Name of the table at `path`, with its preposition.
 pub(crate) fn place(path: &[Step]) -> String {
     match path {
         [] => "at the top level of the scene".to_string(),
@@ -155,7 +155,7 @@ fn dotted(path: &[Step]) -> String {
     steps.collect::<Vec<_>>().join(".")
 }
 
-/// The value at `path`, as the subject of a sentence.
+/// Name of the value at `path`, as the subject of a sentence.
 pub(crate) fn subject(path: &[Step]) -> String {
     match path {
         [] => "the scene".to_string(),
@@ -179,7 +179,7 @@ impl Display for Fault {
 impl std::error::Error for Fault {}
 
 impl serde::de::Error for Fault {
-    /// Takes what `number::Rule` writes, "must ...: advice".
+    /// Fault of the text that `number::Rule` writes, "must ...: advice".
     fn custom<T: Display>(message: T) -> Self {
         let message = message.to_string();
         let (must, advice) = match message.split_once(": ") {

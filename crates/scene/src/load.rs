@@ -1,4 +1,4 @@
-//! From a file or a text to a [`Scene`].
+//! Scenes from files or texts.
 
 use std::fs::File;
 use std::io::Read;
@@ -30,7 +30,8 @@ impl Scene {
         Self::load_with(path, &mut Assets::default())
     }
 
-    /// Reads and checks a `.toml` scene file, or shows a model; `assets` has, then, what it is made of.
+    /// Reads and checks a `.toml` scene file, or shows a model; afterwards `assets` has the files that the scene is
+    /// made of.
     ///
     /// # Errors
     /// When the file, or one that it names, cannot be read, is too large, or is not valid.
@@ -39,7 +40,7 @@ impl Scene {
         let name = display_name(path);
         let (mut scene, warnings, document) = read_scene(&text, &name, path, assets)?;
         scene.warnings = if is_model(path) {
-            // Nobody has seen the text, so its lines are nothing to speak of.
+            // Nobody has seen the text of a model's scene, so its lines are not worth naming.
             warnings.iter().take(MOST_WARNINGS).map(|warning| warning.sentence("")).collect()
         } else {
             document.warnings(&warnings)
@@ -56,7 +57,8 @@ impl Scene {
         Self::parse_with(text, Path::new(name), &mut Assets::default())
     }
 
-    /// Reads and checks the text of a scene file that is, or would be, at `path`; `assets` has, then, what it is made of.
+    /// Reads and checks the text of a scene file that is, or would be, at `path`; afterwards `assets` has the files
+    /// that the scene is made of.
     ///
     /// # Errors
     /// When the text is not a valid scene, or a file that it names cannot be read or is not valid.
@@ -96,7 +98,7 @@ pub fn scene_text(path: &Path, assets: &mut Assets) -> Result<String, SceneError
     utf8(&bytes, &name).map(str::to_string)
 }
 
-/// The version comes first: in a file of another version unknown keys are no mistakes.
+/// Types of the scene file. Its version comes first: in a file of another version unknown keys are no mistakes.
 fn scene_file(document: &Document<'_>) -> Result<SceneFile, Fault> {
     let root = document.root();
     let version = root.get("version");
@@ -105,7 +107,7 @@ fn scene_file(document: &Document<'_>) -> Result<SceneFile, Fault> {
     SceneFile::deserialize(Node(root))
 }
 
-/// The whole file, or why not.
+/// Bytes of the whole file, or the reason why it cannot be read.
 fn read(path: &Path) -> Result<Vec<u8>, String> {
     let cannot = |error: std::io::Error| match error.kind() {
         std::io::ErrorKind::NotFound => "there is no such file".to_string(),

@@ -2,23 +2,24 @@
 
 use std::path::Path;
 
-/// Longer names are cut in messages and not compared, which also bounds the time of comparing.
+/// Most characters of a name; longer ones are cut in messages and not compared, which also bounds the time of
+/// comparing.
 const LONGEST: usize = 60;
 
-/// How alike two names must be, from 0 to 1, for one to be suggested in place of the other.
+/// Least likeness of two names, from 0 to 1, for one to be suggested in place of the other.
 const ALIKE: f64 = 0.6;
 
-/// A file as messages name it: control characters are escaped, because messages go to terminals.
+/// Name of a file in messages: control characters are escaped, because messages go to terminals.
 pub fn display_name(path: &Path) -> String {
     escaped(&path.display().to_string())
 }
 
-/// In backquotes, control characters escaped (a message goes to terminals), long text cut.
+/// The text in backquotes, with control characters escaped (a message goes to terminals) and long text cut.
 pub(crate) fn quoted(text: &str) -> String {
     format!("`{}`", printable(text))
 }
 
-/// Control characters escaped, long text cut.
+/// The text with control characters escaped, cut if it is long.
 pub(crate) fn printable(text: &str) -> String {
     match text.char_indices().nth(LONGEST) {
         Some((end, _)) => escaped(&text[..end]) + "...",
@@ -26,7 +27,7 @@ pub(crate) fn printable(text: &str) -> String {
     }
 }
 
-/// Control characters escaped.
+/// The text with control characters escaped.
 pub(crate) fn escaped(text: &str) -> String {
     let mut shown = String::new();
     for character in text.chars() {
@@ -39,12 +40,12 @@ pub(crate) fn escaped(text: &str) -> String {
     shown
 }
 
-/// Characters that reorder or hide the text around them.
+/// Whether the character reorders or hides the text around it.
 fn is_invisible(character: char) -> bool {
     matches!(character, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
 }
 
-/// As TOML writes a key: bare where that is allowed, else in quotes.
+/// The key as TOML writes it: bare where that is allowed, else in quotes.
 pub(crate) fn key(name: &str) -> String {
     let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     if !name.is_empty() && name.chars().all(is_bare) { printable(name) } else { format!("\"{}\"", printable(name)) }
@@ -64,7 +65,7 @@ pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) 
         .map(|(_, candidate)| candidate)
 }
 
-/// 1 for equal names, 0 for names without a letter in common; a part of a name counts as like it.
+/// Likeness of two names: 1 for equal ones, 0 for those without a letter in common; a part of a name counts as like it.
 fn likeness(a: &str, b: &str) -> f64 {
     let (a, b) = (a.to_lowercase(), b.to_lowercase());
     let is_part = a.len().min(b.len()) >= 3 && (a.contains(&b) || b.contains(&a));
@@ -72,7 +73,7 @@ fn likeness(a: &str, b: &str) -> f64 {
     strsim::normalized_damerau_levenshtein(&a, &b).max(floor)
 }
 
-/// "`a`, `b` and `c`", at most eight of them.
+/// List of names such as "`a`, `b` and `c`", at most eight of them.
 pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>, conjunction: &str) -> String {
     const SHOWN: usize = 8;
     let names: Vec<&str> = names.into_iter().collect();
@@ -87,13 +88,13 @@ pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>, conjunction: &s
     }
 }
 
-/// The strings that a key may have, as the file writes them.
+/// List of the strings that a key may have, as the file writes them.
 pub(crate) fn strings(values: &[&str]) -> String {
     let strings: Vec<String> = values.iter().map(|value| format!("\"{value}\"")).collect();
     list(strings.iter().map(String::as_str), "or")
 }
 
-/// What to say after "unknown NAME": the nearest known name, or all of them.
+/// Hint that follows "unknown NAME": the nearest known name, or all of them.
 pub(crate) fn hint(name: &str, known: &[&str]) -> String {
     match nearest(name, known.iter().copied()) {
         Some(candidate) => format!("did you mean {}?", quoted(candidate)),

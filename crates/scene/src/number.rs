@@ -9,12 +9,12 @@ use std::fmt;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
-/// Whatever lies between [`SMALLEST`] and this has a square that is a normal 32-bit float.
+/// Largest magnitude of a number: those from [`SMALLEST`] to here have a square that is a normal 32-bit float.
 pub(crate) const LARGEST: f64 = 1e15;
-/// See [`LARGEST`].
+/// Smallest magnitude of a number that may not be 0; see [`LARGEST`].
 pub(crate) const SMALLEST: f64 = 1e-15;
 
-/// What a number must be, and what may help whoever wrote another.
+/// Rule that a number must keep, and advice that may help whoever wrote another.
 #[derive(Debug)]
 pub(crate) struct Rule {
     must: String,
@@ -52,7 +52,7 @@ fn non_negative(x: f64) -> Result<(), Rule> {
     require(x <= LARGEST, "must be at most 1e15", "")
 }
 
-/// Far above any sun, and far enough below the 2^35 at which a film takes a sample for a fault.
+/// Largest radiance: far above any sun, and far enough below the 2^35 at which a film takes a sample for a fault.
 pub(crate) const BRIGHTEST: f64 = 1e9;
 
 fn brightness(x: f64) -> Result<(), Rule> {

@@ -1,4 +1,4 @@
-//! Reads the file's types out of a parsed TOML document.
+//! Reader of the file's types out of a parsed TOML document.
 //!
 //! A deserializer of our own, because serde's generic messages neither name the key nor say what
 //! would be right: it answers every mismatch with a [`Fault`] and notes the path on the way out.
@@ -40,7 +40,7 @@ impl<'de> Node<'de> {
     }
 }
 
-/// Numbers too large for 128 bits are as much out of every range as the largest of those.
+/// The integer in 128 bits; larger ones are as much out of every range as the largest of those.
 fn whole(integer: &DeInteger<'_>) -> i128 {
     let text = integer.as_str();
     let beyond = if text.starts_with('-') { i128::MIN } else { i128::MAX };
@@ -98,7 +98,7 @@ impl<'de> Deserializer<'de> for Node<'de> {
         visitor.visit_newtype_struct(self)
     }
 
-    /// The only list of any length is that of the shapes.
+    /// Reads a list of any length; the only one is that of the shapes.
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         match self.0 {
             DeValue::Array(array) => visitor.visit_seq(Items(array.iter().enumerate())),

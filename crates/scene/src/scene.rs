@@ -1,4 +1,4 @@
-//! What a scene is, once it has been read and checked.
+//! The scene, once it has been read and checked.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -12,26 +12,26 @@ use raggio_models::{Light, Mesh, Part, Principled};
 /// Lengths are in the scene's own unit, angles in degrees, light in linear radiance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// How large and how well to render.
+    /// Size and quality of the picture.
     pub render: RenderSettings,
-    /// Where the picture is taken from.
+    /// Viewpoint of the picture.
     pub camera: Camera,
     /// The light that comes from outside.
     pub environment: Environment,
-    /// In the order of the file; after them those that came with models.
+    /// Materials in the order of the file; after them those that came with models.
     pub materials: Vec<Material>,
-    /// In the order of the file; a model may become many.
+    /// Shapes in the order of the file; a model may become many.
     pub shapes: Vec<Shape>,
-    /// Each `[[shapes]]` of the file.
+    /// Entries for each `[[shapes]]` of the file.
     pub entries: Vec<Entry>,
     /// Lights without size, which came with models.
     pub lights: Vec<Light>,
-    /// What is allowed but probably not meant, each as `file:line:column: sentence`.
+    /// Warnings of things that are allowed but probably not meant, each as `file:line:column: sentence`.
     pub warnings: Vec<String>,
 }
 
 impl Scene {
-    /// What the `[[shapes]]` of this place in the file became; nothing where the file has none there.
+    /// Shapes that the `[[shapes]]` of this place in the file became; none where the file has none there.
     pub fn shapes_of(&self, entry: usize) -> &[Shape] {
         self.entries.get(entry).and_then(|entry| self.shapes.get(entry.shapes.clone())).unwrap_or_default()
     }
@@ -40,25 +40,25 @@ impl Scene {
 /// Size and quality of the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
-    /// Pixels across, 1 to 65536.
+    /// Width of the picture in pixels, 1 to 65536.
     pub width: u32,
-    /// Pixels down, 1 to 65536.
+    /// Height of the picture in pixels, 1 to 65536.
     pub height: u32,
-    /// Samples of each pixel, 1 to 2^31 - 1.
+    /// Number of samples of each pixel, 1 to 2^31 - 1.
     pub samples: u32,
     /// Most rays along one path, the camera's ray included, 1 to 65535; 0 sets no limit.
     pub max_depth: u32,
-    /// Chooses the random numbers.
+    /// Seed of the random numbers.
     pub seed: u32,
-    /// Where the random numbers come from.
+    /// Source of the random numbers.
     pub sampler: Sampler,
-    /// What a pixel's value is the mean of.
+    /// Filter that makes a pixel's value from the samples.
     pub filter: Filter,
-    /// The largest channel of a sample that counts; what exceeds it is taken off. `None` leaves samples what they are.
+    /// Largest channel of a sample that counts; the excess is taken off. `None` leaves samples as they are.
     pub clamp: Option<f32>,
     /// Whether rays start slightly off the surface they leave; without it a surface shadows itself.
     pub surface_offset: bool,
-    /// How light is followed; the program's choice, not the file's.
+    /// Algorithm of light transport; the program's choice, not the file's.
     pub integrator: Integrator,
 }
 
@@ -79,17 +79,17 @@ impl Default for RenderSettings {
     }
 }
 
-/// How light is followed. All arrive at the same picture.
+/// Algorithms of light transport, which all arrive at one picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Integrator {
-    /// Lights are looked for at each surface, and what scatters toward them by chance is weighed against that.
+    /// Lights are looked for at each surface, and light met by chance of scattering is weighed against that.
     #[default]
     Path,
     /// Chance alone finds lights: slow, and simple enough to be believed.
     Reference,
 }
 
-/// Where the random numbers of a pixel's samples come from.
+/// Source of the random numbers of a pixel's samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampler {
     /// Scrambled Sobol' points, which spread evenly: less noise.
@@ -98,31 +98,32 @@ pub enum Sampler {
     Pcg,
 }
 
-/// The reconstruction filter: with which weights the picture around a pixel's centre makes its value.
+/// Reconstruction filter: weights with which the picture around a pixel's centre makes its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filter {
-    /// All of the pixel's area alike.
+    /// Box over the pixel's area, with equal weights.
     Box,
-    /// A smooth bell 3 pixels wide: the softest.
+    /// Blackman-Harris window, a smooth bell 3 pixels wide: the softest.
     BlackmanHarris,
-    /// Mitchell and Netravali's, 4 pixels wide, with negative lobes: the sharpest.
+    /// Mitchell and Netravali's filter, 4 pixels wide, with negative lobes: the sharpest.
     Mitchell,
-    /// The pixel's centre alone, which shows aliasing.
+    /// Value of the pixel's centre alone, which shows aliasing.
     Point,
 }
 
 /// A pinhole, or a thin lens when `aperture_radius` is positive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
-    /// The pinhole, or the lens's centre.
+    /// Position of the pinhole, or of the lens's centre.
     pub position: Vec3,
-    /// The point in the middle of the picture, never equal to `position`.
+    /// Point in the middle of the picture, never equal to `position`.
     pub look_at: Vec3,
-    /// Not zero and not parallel to the viewing direction, but of any length and not at a right angle to it.
+    /// Direction upwards, not zero and not parallel to the viewing direction, but of any length and not at a right
+    /// angle to it.
     pub up: Vec3,
     /// Angle between the picture's top and bottom edges, between 0 and 180 exclusive.
     pub vertical_fov_degrees: f32,
-    /// 0 is a pinhole.
+    /// Radius of the lens; 0 is a pinhole.
     pub aperture_radius: f32,
     /// Distance from `position`, along the viewing direction, of the plane in focus; positive.
     pub focus_distance: f32,
@@ -131,22 +132,22 @@ pub struct Camera {
 /// Radiance that arrives from infinitely far away; black when the file has no `[environment]`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Environment {
-    /// The same from everywhere.
+    /// Radiance that is equal from everywhere.
     Constant(Vec3),
-    /// `mix(horizon, zenith, 0.5 (y + 1))` for the unit direction of the ray.
+    /// Gradient `mix(horizon, zenith, 0.5 (y + 1))`, with y of the ray's unit direction.
     Gradient {
-        /// Seen straight below.
+        /// Radiance seen straight below.
         horizon: Vec3,
-        /// Seen straight above.
+        /// Radiance seen straight above.
         zenith: Vec3,
     },
     /// A latitude-longitude image: its centre is seen along -Z, its right along +X, its top along +Y.
     Image {
-        /// Shared with whoever else shows it.
+        /// Image, shared with whoever else shows it.
         image: Arc<Bitmap>,
-        /// Turns it about the y axis, counter-clockwise seen from above.
+        /// Angle by which the image is turned about the y axis, counter-clockwise seen from above.
         rotation_degrees: f32,
-        /// Multiplies it.
+        /// Factor of the image's radiance.
         intensity: f32,
     },
 }
@@ -165,30 +166,31 @@ impl Environment {
 /// How a surface reflects, transmits and emits light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// The key under `[materials]`.
+    /// Name of the material, the key under `[materials]`.
     pub name: String,
-    /// Reflected (or transmitted) part of the light that arrives, each component 0 to 1.
+    /// Part of the arriving light that is reflected or transmitted, each component 0 to 1.
     pub color: Vec3,
-    /// Multiplied by `emission_strength` it is the emitted radiance; components 0 or more.
+    /// Colour of the emitted light; times `emission_strength` it is the emitted radiance. Components are 0 or more.
     pub emission_color: Vec3,
-    /// 0 emits nothing.
+    /// Strength of the emission; 0 emits nothing.
     pub emission_strength: f32,
-    /// 0 diffuse to 1 mirror; a dielectric ignores it.
+    /// Smoothness from 0, diffuse, to 1, a mirror; a dielectric ignores it.
     pub smoothness: f32,
-    /// `None` is opaque, `Some` a dielectric of that index.
+    /// Refractive index of a dielectric; `None` is opaque.
     pub refractive_index: Option<f32>,
-    /// How a dielectric shares light between reflection and refraction.
+    /// Rule by which a dielectric shares light between reflection and refraction.
     pub reflection: Reflection,
-    /// Where dielectrics overlap the higher one wins.
+    /// Rank among overlapping dielectrics: the highest wins.
     pub priority: i32,
-    /// If there is one it alone says what the surface does, and everything above but the name is of no meaning.
+    /// Principled material. If there is one it alone says how the surface behaves, and everything above but the name is
+    /// without meaning.
     pub principled: Option<Arc<Principled>>,
-    /// It came with a model, and is not in the scene file.
+    /// Whether the material came with a model and is not in the scene file.
     pub imported: bool,
 }
 
 impl Default for Material {
-    /// What a scene file means by a material without any key: a light grey, diffuse and opaque.
+    /// Material without any key in a scene file: a light grey, diffuse and opaque.
     fn default() -> Self {
         Self {
             name: String::new(),
@@ -206,7 +208,7 @@ impl Default for Material {
 }
 
 impl Material {
-    /// Whether it emits any light.
+    /// Whether the material emits any light.
     pub fn is_emissive(&self) -> bool {
         if let Some(principled) = &self.principled {
             return principled.emissive != [0.0; 3];
@@ -214,7 +216,7 @@ impl Material {
         self.emission_strength > 0.0 && self.emission_color != Vec3::ZERO
     }
 
-    /// Whether light passes into its bodies, bent by a refractive index.
+    /// Whether light passes into the material's bodies, bent by a refractive index.
     pub fn is_dielectric(&self) -> bool {
         match &self.principled {
             Some(principled) => principled.transmission > 0.0 && !principled.thin_walled,
@@ -223,28 +225,28 @@ impl Material {
     }
 }
 
-/// How a dielectric chooses between reflection and refraction.
+/// Choice of a dielectric between reflection and refraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reflection {
-    /// By Fresnel's equations.
+    /// Fresnel's equations.
     Fresnel,
-    /// Reflects with this probability, 0 to 1, at every angle.
+    /// Probability of reflection, 0 to 1, at every angle.
     Probability(f32),
 }
 
 /// A piece of geometry with its material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
-    /// The place of its `[[shapes]]` in the file.
+    /// Index of its `[[shapes]]` in the file.
     pub entry: usize,
     /// Index into [`Scene::materials`].
     pub material: usize,
-    /// Where and what it is.
+    /// Geometry, in world space.
     pub geometry: Geometry,
 }
 
 impl Shape {
-    /// The material of a part of its mesh, as an index into [`Scene::materials`].
+    /// Material of a part of the shape's mesh, as an index into [`Scene::materials`].
     pub fn material_of(&self, part: &Part) -> usize {
         match (&self.geometry, part.material) {
             (Geometry::Mesh { first_material: Some(first), .. }, Some(own)) => first + own,
@@ -253,27 +255,27 @@ impl Shape {
     }
 }
 
-/// What one `[[shapes]]` of the file became.
+/// Result of one `[[shapes]]` of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// Which of [`Scene::shapes`]; a model without triangles is none of them.
+    /// Range of [`Scene::shapes`], empty for a model without triangles.
     pub shapes: Range<usize>,
-    /// The material that the file names; a model may go without.
+    /// Index of the material that the file names; a model may go without.
     pub material: Option<usize>,
-    /// Where a model stands; other shapes say themselves where they are.
+    /// Placement of a model; other shapes say themselves where they are.
     pub placement: Option<Placement>,
 }
 
-/// Which model stands where: p becomes `translation` + rotation * `scale` * p.
+/// Placement of a model: p becomes `translation` + rotation * `scale` * p.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placement {
-    /// As the scene file names it.
+    /// Name of the model's file, as the scene file gives it.
     pub file: String,
-    /// Moves it, last.
+    /// Translation, applied last.
     pub translation: Vec3,
-    /// As [`rotation`] has it.
+    /// Angles of turns about the axes in degrees, as [`rotation`] takes them.
     pub rotation_degrees: Vec3,
-    /// No component is 0.
+    /// Factors along the axes; no component is 0.
     pub scale: Vec3,
 }
 
@@ -282,49 +284,50 @@ pub struct Placement {
 pub enum Geometry {
     /// A sphere of positive radius.
     Sphere {
-        /// Its centre.
+        /// Centre of the sphere.
         center: Vec3,
-        /// Positive.
+        /// Radius of the sphere, positive.
         radius: f32,
     },
     /// An endless plane.
     Plane {
-        /// Any point of it.
+        /// Any point of the plane.
         point: Vec3,
-        /// Of unit length.
+        /// Normal of the plane, of unit length.
         normal: Vec3,
     },
-    /// Both sides reflect and emit.
+    /// A rectangle, both sides of which reflect and emit.
     Rectangle {
-        /// One of its corners.
+        /// One corner of the rectangle.
         corner: Vec3,
-        /// From the corner along one side, not zero.
+        /// Edge from the corner along one side, not zero.
         edge_u: Vec3,
-        /// From the corner along the other side, at a right angle to `edge_u`.
+        /// Edge from the corner along the other side, at a right angle to `edge_u`.
         edge_v: Vec3,
     },
     /// A box that may be turned.
     Box {
-        /// Its centre, about which it turns.
+        /// Centre of the box, about which it turns.
         center: Vec3,
-        /// Lengths of its sides, all positive.
+        /// Lengths of the box's sides, all positive.
         size: Vec3,
-        /// About the fixed x axis first, then y, then z.
+        /// Angles in degrees of turns about the fixed x axis first, then y, then z.
         rotation_degrees: Vec3,
     },
     /// Triangles. Both sides reflect and emit; as a dielectric the mesh is a closed body.
     Mesh {
-        /// Shared among its instances: the same allocation is the same mesh.
+        /// Mesh, shared among its instances: one allocation is one mesh.
         mesh: Arc<Mesh>,
-        /// Any affine map that can be undone.
+        /// Transform of the mesh, any affine map that can be undone.
         world_from_mesh: DAffine3,
-        /// Where the materials that the mesh's parts name begin in [`Scene::materials`]. Parts without a material, and
-        /// all parts where this is `None`, have the shape's.
+        /// Index in [`Scene::materials`] of the first of the materials that the mesh's parts name. Parts without a
+        /// material, and all parts where this is `None`, have the shape's.
         first_material: Option<usize>,
     },
 }
 
-/// What `rotation_degrees` means: turns about the world's axes, x first, then y, then z. Its columns are the turned axes.
+/// Rotation of `rotation_degrees`: turns about the world's axes, x first, then y, then z. Its columns are the turned
+/// axes.
 pub fn rotation(degrees: Vec3) -> DMat3 {
     let radians = degrees.as_dvec3() * (std::f64::consts::PI / 180.0);
     DMat3::from_euler(EulerRot::ZYX, radians.z, radians.y, radians.x)

@@ -14,7 +14,7 @@ pub fn schema() -> String {
     format!("{:#}\n", schema.to_value())
 }
 
-/// TOML has no null: an optional key is left out.
+/// Transform that leaves nulls out: TOML has none, an optional key is left out.
 #[derive(Clone, Debug)]
 struct WithoutNull;
 
@@ -38,7 +38,7 @@ impl Transform for WithoutNull {
     }
 }
 
-/// `anyOf: [X, null]` is how an optional X that is defined elsewhere comes; it becomes X.
+/// Replaces `anyOf: [X, null]`, the form of an optional X that is defined elsewhere, by X.
 fn flatten_nullable(object: &mut serde_json::Map<String, Value>) {
     let Some(Value::Array(choices)) = object.get_mut("anyOf") else {
         return;

@@ -14,18 +14,19 @@ use crate::names::display_name;
 use crate::number::LARGEST;
 use crate::scene::RenderSettings;
 
-/// Degrees between the picture's top and bottom edges.
+/// Vertical field of view: degrees between the picture's top and bottom edges.
 const VERTICAL_FOV: f64 = 36.0;
-/// How much further away the camera stands than it would have to.
+/// Factor by which the camera stands further away than it would have to.
 const MARGIN: f64 = 1.08;
-/// From the model to the camera: in front of it, to the right and above. glTF's models look along +Z.
+/// Direction from the model to the camera: in front of it, to the right and above. glTF's models look along +Z.
 const TOWARDS_CAMERA: DVec3 = DVec3::new(0.5, 0.38, 0.866);
-/// Points that may be looked at, one by one, for the model's exact extent.
+/// Most points that are looked at, one by one, for the model's exact extent.
 const MOST_POINTS: usize = 50_000_000;
-/// Below these, the ground would meet what lies flat upon it: parts of the model's size, and of its coordinates.
+/// Least gaps between the ground and the model, in parts of its size and of its coordinates; below these, the ground
+/// would meet the model's flat lower side.
 const GAPS: [f64; 2] = [2e-4, 2e-6];
 
-/// The text of a scene in the model's own folder.
+/// Text of a scene in the model's own folder.
 pub(crate) fn text(path: &Path, assets: &mut Assets) -> Result<String, SceneError> {
     let name = display_name(path);
     let refuse = |message: &str| SceneError::whole_file(&name, message);
@@ -57,7 +58,7 @@ fn described(name: &str, trouble: Trouble) -> SceneError {
     }
 }
 
-/// Files for printers have z upwards by custom.
+/// Whether z is upwards, as it is by custom in files for printers.
 fn is_z_up(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("stl"))
 }
@@ -67,7 +68,7 @@ fn upright(turned: bool) -> DAffine3 {
     DAffine3::from_mat3(if turned { turn } else { DMat3::IDENTITY })
 }
 
-/// As tight as can be found in reasonable time: a loose one would have the model float.
+/// Bounds of the model, as tight as can be found in reasonable time: loose ones would have the model float.
 fn bounds(model: &Imported, world_from_model: &DAffine3) -> Bounds {
     let points: usize = model.instances.iter().map(|it| model.meshes[it.mesh].positions.len()).sum();
     let of_instances = model.instances.iter().map(|instance| {
@@ -82,14 +83,14 @@ fn bounds(model: &Imported, world_from_model: &DAffine3) -> Bounds {
     of_instances.fold(Bounds::EMPTY, Bounds::united)
 }
 
-/// As wide as the file's camera says, if it has one that does.
+/// Size of the picture, with the aspect of the file's camera if it has one that gives it.
 fn picture(model: &Imported) -> [u32; 2] {
     let RenderSettings { width, height, .. } = RenderSettings::default();
     let aspect = model.cameras.first().and_then(|camera| camera.aspect).filter(|aspect| (0.1..=10.0).contains(aspect));
     [aspect.map_or(width, |aspect| (aspect * height as f32).round() as u32), height]
 }
 
-/// The file's first, or one that sees the whole model.
+/// Writes the camera: the file's first, or one that sees the whole model.
 fn camera(text: &mut String, model: &Imported, bounds: Bounds, aspect: f64) {
     let center = 0.5 * (bounds.min + bounds.max);
     let (position, look_at, up, fov) = match model.cameras.first() {
@@ -101,7 +102,8 @@ fn camera(text: &mut String, model: &Imported, bounds: Bounds, aspect: f64) {
     let _ = writeln!(text, "vertical_fov_degrees = {}", number(fov));
 }
 
-/// It looks at what is in the middle of its picture as far away as the model's.
+/// View of a camera of the file; the point that it looks at is in the middle of its picture, as far away as the model's
+/// middle.
 fn of_file(camera: &Camera, bounds: Bounds) -> (DVec3, DVec3, DVec3, f64) {
     let center = 0.5 * (bounds.min + bounds.max);
     let depth = (center - camera.position).dot(camera.forward);
@@ -110,7 +112,7 @@ fn of_file(camera: &Camera, bounds: Bounds) -> (DVec3, DVec3, DVec3, f64) {
     (camera.position, camera.position + depth * camera.forward, camera.up, fov)
 }
 
-/// From the middle of the box, along [`TOWARDS_CAMERA`], to where every corner of it is in the picture.
+/// Distance from the middle of the box, along [`TOWARDS_CAMERA`], at which every corner of it is in the picture.
 fn distance(bounds: Bounds, aspect: f64) -> f64 {
     let back = TOWARDS_CAMERA.normalize();
     let right = DVec3::Y.cross(back).normalize();
@@ -128,7 +130,8 @@ fn distance(bounds: Bounds, aspect: f64) -> f64 {
     far.max(1e-4 * bounds.reach()).max(1e-12)
 }
 
-/// The sky is bright above, where it makes shapes stand out, and dim where lights of the file shine.
+/// Writes ground and sky. The sky is bright above, where it makes shapes stand out, and dim where lights of the file
+/// shine.
 fn surroundings(text: &mut String, model: &Imported, bounds: Bounds) {
     let sky = if model.lights.is_empty() { 1.0 } else { 0.08 };
     let [horizon, zenith] = [DVec3::new(0.36, 0.36, 0.38), DVec3::new(1.25, 1.3, 1.42)].map(|color| list(sky * color));
@@ -139,7 +142,7 @@ fn surroundings(text: &mut String, model: &Imported, bounds: Bounds) {
     let point = list(center.with_y(bounds.min.y - gap));
     let _ = writeln!(text, "[materials.ground]\ncolor = [0.35, 0.35, 0.35]");
     if model.materials.is_empty() {
-        // Colours of the vertices are multiplied by it, where there are any.
+        // Colours of the vertices, where there are any, multiply the base colour.
         let has_colors = model.meshes.iter().any(|mesh| mesh.colors.is_some());
         let base_color = list(DVec3::splat(if has_colors { 1.0 } else { 0.75 }));
         let _ = writeln!(text, "[materials.clay]\nprincipled = {{ base_color = {base_color}, roughness = 0.6 }}");
@@ -167,12 +170,12 @@ fn list(vector: DVec3) -> String {
     format!("[{x}, {y}, {z}]")
 }
 
-/// With the digits that 32 bits hold.
+/// The number with the digits that 32 bits hold.
 fn number(x: f64) -> String {
     format!("{}", x as f32)
 }
 
-/// As a TOML string; JSON's escapes are TOML's, but for one character that JSON leaves as it is.
+/// The text as a TOML string; JSON's escapes are TOML's, but for one character that JSON leaves as it is.
 fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007f")
 }

@@ -1,4 +1,4 @@
-//! The text of a scene file: where its values stand, and errors that say so.
+//! The text of a scene file, the places of its values, and errors that name them.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use crate::error::SceneError;
 use crate::fault::{Fault, Kind, Step};
 use crate::names;
 
-/// More warnings than this help nobody.
+/// Most warnings that are shown; more help nobody.
 pub(crate) const MOST_WARNINGS: usize = 100;
 
 /// A TOML document that keeps its text.
@@ -18,7 +18,7 @@ pub(crate) struct Document<'a> {
 }
 
 impl<'a> Document<'a> {
-    /// Errors when `text` is not TOML; `name` stands for the file in messages.
+    /// A document, or an error when `text` is not TOML; `name` stands for the file in messages.
     pub(crate) fn parse(text: &'a str, name: &'a str) -> Result<Self, SceneError> {
         let lines = Lines::new(text, name);
         match DeTable::parse(text) {
@@ -37,7 +37,7 @@ impl<'a> Document<'a> {
         self.lines.error(span.start, message)
     }
 
-    /// Each as `file:line:column: sentence`.
+    /// Warnings of the faults, each as `file:line:column: sentence`.
     pub(crate) fn warnings(&self, faults: &[Fault]) -> Vec<String> {
         let shown = faults.iter().take(MOST_WARNINGS);
         let mut warnings: Vec<String> = shown.map(|it| self.error(it).to_string()).collect();
@@ -48,8 +48,8 @@ impl<'a> Document<'a> {
         warnings
     }
 
-    /// Of the value or key in question; where that is not in the file (it has a default, or is
-    /// missing), of the nearest table around it.
+    /// Span of the value or key in question; where that is not in the file (it has a default, or is missing), that of
+    /// the nearest table around it.
     fn span(&self, fault: &Fault) -> Range<usize> {
         let mut path = fault.path();
         if let Kind::UnknownKey { key, .. } = &fault.kind {
@@ -118,7 +118,8 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// The parser's words, but for what people get wrong most; `text` is what it stumbled over.
+/// Message of a syntax error: the parser's words, except for the commonest mistakes; `text` is where the parser
+/// stumbled.
 fn syntax_message(message: &str, text: &str) -> String {
     let quoted = names::quoted(text);
     if message == "duplicate key" {
@@ -133,7 +134,7 @@ fn syntax_message(message: &str, text: &str) -> String {
     }
 }
 
-/// The place of a byte in a text, for what is found before the text is parsed.
+/// An error at the end of `text`, for faults found before the text is parsed.
 pub(crate) fn error_after(text: &str, name: &str, message: String) -> SceneError {
     Lines::new(text, name).error(text.len(), message)
 }

@@ -1,4 +1,4 @@
-//! Any text at all: an error or a sound scene, never a panic, never a wait.
+//! Any text at all leads to an error or a sound scene, never to a panic, never to a wait.
 
 use std::time::{Duration, Instant};
 
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use proptest::sample::select;
 use raggio_scene::Scene;
 
-/// Far more than any of these texts needs, even in a debug build on a busy machine.
+/// Time that is far more than any of these texts needs, even in a debug build on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 fn read(text: &str) {
@@ -19,7 +19,7 @@ fn read(text: &str) {
     assert!(start.elapsed() < PATIENCE, "{:?}", start.elapsed());
 }
 
-/// An error is one line of moderate length about a place that exists.
+/// Checks that an error is one line of moderate length about a place that exists.
 fn check_error(error: &raggio_scene::SceneError, text: &str) {
     assert!((1..=text.matches('\n').count() + 1).contains(&error.line), "{error}");
     let line = text.split('\n').nth(error.line - 1).unwrap();
@@ -108,7 +108,7 @@ const TOKENS: &[&str] = &[
     "{ center = [0, 0, 0], radius = 1 }\n",
 ];
 
-/// What a number or string in the example may become.
+/// Values that a number or string in the example may become.
 const VALUES: &[&str] = &[
     "nan",
     "-nan",

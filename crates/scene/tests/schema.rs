@@ -52,7 +52,7 @@ fn it_accepts_what_the_reader_accepts() {
     validator.validate(&json_of(&changed)).unwrap();
 }
 
-/// These name files, which a schema knows nothing of.
+/// These keys name files, which a schema knows nothing of.
 #[test]
 fn it_accepts_what_names_files() {
     let validator = jsonschema::validator_for(&schema()).unwrap();
@@ -79,7 +79,7 @@ fn it_accepts_what_names_files() {
     }
 }
 
-/// Each is one replacement in the example that the reader refuses too.
+/// Replacements in the example, each of which the reader refuses too.
 const WRONG: &[(&str, &str)] = &[
     ("version = 1", "version = 2"),
     ("version = 1", ""),

@@ -9,13 +9,13 @@ use crate::bitmap::Texels;
 use crate::error::Problem;
 use crate::guard::{grouped, radiance};
 
-/// A texel in memory while it is decoded.
+/// Most bytes that a texel takes in memory while it is decoded.
 pub(super) const MOST_TEXEL_BYTES: u64 = 16;
 
 const LEVEL_INDEX_BYTES: usize = 24;
-/// Every block of UASTC and ASTC.
+/// Bytes of a block, in UASTC and in ASTC.
 const BLOCK_BYTES: usize = 16;
-/// Of BasisLZ's global data: counts and lengths, then flags and slices for each image.
+/// Bytes at the start of BasisLZ's global data: counts and lengths. Flags and slices of each image follow.
 const GLOBAL_HEADER_BYTES: usize = 20;
 const IMAGE_BYTES: usize = 20;
 
@@ -34,8 +34,8 @@ pub(super) fn texels(reader: &Reader<&[u8]>) -> Result<Texels, Problem> {
     Ok(Texels::Rgb32F(texels.iter().map(|[r, g, b, _]| [value(*r), value(*g), value(*b)]).collect()))
 }
 
-/// The same texture with one level, decompressed, and nothing else: the transcoder adds up offsets of the file without
-/// checking them, and here all of them are right.
+/// A copy of the texture with one level, decompressed, and nothing else: the transcoder adds up offsets of the file
+/// without checking them, and here all of them are right.
 fn first_level_alone(reader: &Reader<&[u8]>) -> Result<Vec<u8>, Problem> {
     let header = reader.header();
     let description = format_description(reader, &header)?;
@@ -71,7 +71,7 @@ fn first_image_alone(reader: &Reader<&[u8]>, header: &Header) -> Result<Vec<u8>,
     Ok([parts.0, parts.1].concat())
 }
 
-/// What the first level takes when decompressed.
+/// Bytes of the first level when decompressed.
 fn level_bytes(reader: &Reader<&[u8]>, header: &Header) -> Result<usize, Problem> {
     let basic = reader.basic_dfd().ok_or_else(|| malformed("it does not describe its format"))?;
     let model = basic.color_model;

@@ -44,7 +44,7 @@ fn unsupported(reason: impl std::fmt::Display) -> Problem {
     Problem::unsupported(Format::Ktx2, reason)
 }
 
-/// The first level, which has to have at least so many bytes when decompressed; exactly so many are returned.
+/// The first `bytes` bytes of the first level, decompressed; a level with fewer is an error.
 fn level(reader: &Reader<&[u8]>, bytes: usize) -> Result<Vec<u8>, Problem> {
     let data = first_level(reader)?;
     let short = |length: usize| malformed(format!("its first level has {length} bytes, it needs {bytes}"));
@@ -52,7 +52,7 @@ fn level(reader: &Reader<&[u8]>, bytes: usize) -> Result<Vec<u8>, Problem> {
         None => data.get(..bytes).map(<[u8]>::to_vec).ok_or_else(|| short(data.len())),
         Some(SupercompressionScheme::Zstandard) => {
             let decoder = StreamingDecoder::new(data).map_err(malformed)?;
-            // Grows with what is there, not with what the header declares.
+            // The list grows with what is there, not with what the header declares.
             let mut level = Vec::new();
             decoder.take(bytes as u64).read_to_end(&mut level).map_err(malformed)?;
             if level.len() == bytes { Ok(level) } else { Err(short(level.len())) }
@@ -74,7 +74,7 @@ fn format_description<'a>(reader: &'a Reader<&[u8]>, header: &Header) -> Result<
     reader.data().get(start..end).ok_or_else(|| malformed("its description of the format lies behind its end"))
 }
 
-/// `KTXorientation` is `rd` where it is not given: rows go down.
+/// Whether the first row is the bottom one; without `KTXorientation`, which is `rd` by default, rows go down.
 fn begins_at_bottom(reader: &Reader<&[u8]>) -> bool {
     let orientation = reader.key_value_data().find(|(key, _)| *key == "KTXorientation");
     orientation.is_some_and(|(_, value)| value.get(1) == Some(&b'u'))

@@ -8,7 +8,7 @@ use crate::bitmap::Texels;
 use crate::error::Problem;
 use crate::guard::{filled, radiance};
 
-/// How the bytes of a texel are laid out.
+/// Layout of the bytes of a texel.
 pub(super) struct Layout {
     /// The colour of each channel in the file, in its order: 0 red, 1 green, 2 blue, 3 alpha.
     channels: &'static [usize],
@@ -50,7 +50,7 @@ impl Layout {
         Some(Self { channels, kind })
     }
 
-    /// Of a level in the file; the limits have made sure that it fits.
+    /// Bytes of a level in the file; the limits have made sure that their number fits.
     pub(super) fn bytes(&self, width: u32, height: u32) -> usize {
         let sample = match self.kind {
             Kind::Unorm8 => 1,
@@ -60,7 +60,7 @@ impl Layout {
         width as usize * height as usize * self.channels.len() * sample
     }
 
-    /// In memory, and at least in the file.
+    /// Most bytes that a texel takes, in memory or in the file.
     pub(super) fn texel_bytes(&self) -> u64 {
         match self.kind {
             Kind::Unorm8 => 4,
@@ -80,7 +80,8 @@ impl Layout {
         })
     }
 
-    /// Channels beyond those of `missing` are dropped.
+    /// Texels of a level, each number made by `value` from its bytes. Channels that the file lacks come from `missing`,
+    /// channels beyond those of `missing` are dropped.
     fn each<T: Copy, const N: usize, const M: usize>(
         &self,
         level: &[u8],

@@ -13,10 +13,10 @@ use super::{malformed, problem};
 use crate::error::Problem;
 use crate::guard::{filled, radiance};
 
-/// Numbers of the format: version, nine sizes and counts, a method.
+/// Number of integers in the header of a DWA block: version, nine sizes and counts, a method.
 const DWA_HEADER_NUMBERS: usize = 11;
 
-/// As far as the methods can compress: DWA stores two numbers for 64 equal pixels, then all are deflated.
+/// Highest ratio of DWA's compression: it stores two numbers for 64 equal pixels, then all are deflated.
 const MOST_DWA_RATIO: usize = 1 << 17;
 const MOST_RATIO: usize = 1 << 11;
 
@@ -27,7 +27,7 @@ struct Block<'a> {
     data: &'a [u8],
 }
 
-/// The pixels, row by row.
+/// Pixels of the layer, row by row.
 pub(super) fn decode(layer: &Layer<'_>) -> Result<Vec<[f32; 3]>, Problem> {
     let across = layer.width.div_ceil(layer.block_width);
     let blocks = layer.offsets.iter().enumerate().map(|(i, offset)| {
@@ -46,7 +46,7 @@ pub(super) fn decode(layer: &Layer<'_>) -> Result<Vec<[f32; 3]>, Problem> {
     Ok(pixels)
 }
 
-/// What is compressed in the block that begins at `offset`, which has to be the one at `column` and `row`.
+/// Compressed bytes of the block that begins at `offset`, which has to be the one at `column` and `row`.
 fn find<'a>(layer: &Layer<'a>, offset: u64, column: usize, row: usize) -> Result<&'a [u8], Problem> {
     let bytes = usize::try_from(offset).ok().and_then(|offset| layer.file.get(offset..));
     let mut bytes = bytes.ok_or_else(|| malformed("a block lies behind its end"))?;
@@ -92,8 +92,9 @@ fn next(bytes: &mut &[u8]) -> Result<i64, Problem> {
     Ok(i32::from_le_bytes(*number).into())
 }
 
-/// Whether so few bytes can hold a block. DWA's blocks also declare how large their parts are when decompressed, which the
-/// library takes at their word: no part is larger than two bytes a byte of the pixels, with sides rounded up to eight.
+/// Checks whether so few bytes can hold a block. DWA's blocks also declare how large their parts are when decompressed,
+/// which the library takes at their word: no part is larger than two bytes a byte of the pixels, with sides rounded up
+/// to eight.
 fn check(layer: &Layer<'_>, data: &[u8], column: usize, row: usize) -> Result<(), Problem> {
     let header = layer.header();
     let width = layer.block_width.min(layer.width - column * layer.block_width);
@@ -115,7 +116,7 @@ fn check(layer: &Layer<'_>, data: &[u8], column: usize, row: usize) -> Result<()
     if sizes.all(|size| size <= most) { Ok(()) } else { Err(malformed("a block declares a size beyond its pixels")) }
 }
 
-/// Copies a block's colours into a row of blocks; it begins at pixel `left` of it.
+/// Copies a block's colours into a row of blocks, where the block begins at pixel `left`.
 fn place(layer: &Layer<'_>, block: &UncompressedBlock, left: usize, band: &mut [[f32; 3]]) {
     let width = block.index.pixel_size.width();
     let line_bytes = width * layer.header().channels.bytes_per_pixel;

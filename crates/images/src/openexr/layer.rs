@@ -8,31 +8,31 @@ use super::{malformed, problem, unsupported};
 use crate::error::Problem;
 use crate::limits::Limits;
 
-/// A block has an entry of eight bytes in the table and a header of eight bytes or more.
+/// Fewest bytes of a block: an entry of eight bytes in the table and a header of eight bytes or more.
 const LEAST_BLOCK_BYTES: u64 = 16;
-/// An entry of the table.
+/// Bytes of an entry of the table.
 const OFFSET_BYTES: usize = 8;
 
 /// The layer to read. Sizes are in pixels.
 pub(super) struct Layer<'a> {
     pub(super) file: &'a [u8],
     pub(super) meta: MetaData,
-    /// Which of the headers is this layer's.
+    /// Index of this layer's header among the headers.
     pub(super) index: usize,
     pub(super) width: usize,
     pub(super) height: usize,
     pub(super) block_width: usize,
     pub(super) block_height: usize,
-    /// Where red, green and blue come from; `None` is zero.
+    /// Channels of red, green and blue; `None` is zero.
     pub(super) channels: [Option<Channel>; 3],
-    /// Where its blocks are in the file, row by row.
+    /// Offsets of its blocks in the file, row by row.
     pub(super) offsets: &'a [[u8; OFFSET_BYTES]],
 }
 
-/// Where a channel is among the bytes of a block.
+/// Place of a channel among the bytes of a block.
 #[derive(Clone, Copy)]
 pub(super) struct Channel {
-    /// Bytes of the channels before it, per pixel.
+    /// Bytes per pixel of the channels before it.
     pub(super) before: usize,
     pub(super) kind: SampleType,
 }
@@ -55,7 +55,7 @@ impl<'a> Layer<'a> {
         let (block_width, block_height) = (block.width().min(width), block.height().min(height));
         check_blocks(header, block_width, block_height, limits)?;
         let before: usize = meta.headers[..index].iter().map(|header| header.chunk_count).sum();
-        // Of several resolutions the full one comes first.
+        // The full resolution comes first where there are several.
         let count = width.div_ceil(block_width) * height.div_ceil(block_height);
         let (table, _) = rest.as_chunks::<OFFSET_BYTES>();
         let offsets = table.get(before..before + count).ok_or_else(|| malformed("its table of blocks is too short"))?;
@@ -71,7 +71,7 @@ impl<'a> Layer<'a> {
     }
 }
 
-/// As many blocks as the headers declare need at least so many bytes.
+/// Checks that the bytes left can hold as many blocks as the headers declare.
 fn check_block_count(meta: &MetaData, bytes_left: usize) -> Result<(), Problem> {
     let count = meta.headers.iter().fold(0, |count: u64, header| count.saturating_add(header.chunk_count as u64));
     if count.saturating_mul(LEAST_BLOCK_BYTES) <= bytes_left as u64 {
@@ -91,7 +91,7 @@ fn check_blocks(header: &Header, width: usize, height: usize, limits: &Limits) -
     Err(malformed(format!("a block of {width} x {height} pixels takes more than {} bytes", limits.most_bytes)))
 }
 
-/// The channels of one name before the last dot, those without a dot first: red, green and blue, or else luminance.
+/// Channels that share a name up to the last dot, those without a dot first: red, green and blue, or else luminance.
 fn color_channels(list: &[ChannelDescription]) -> Option<[Option<Channel>; 3]> {
     let mut groups: Vec<(String, [Option<Channel>; 4])> = Vec::new();
     let mut before = 0;

@@ -15,7 +15,7 @@ pub fn encoded(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
     file.into_inner()
 }
 
-/// `data` as it is stored, before compression.
+/// A PNG file of `data`, which is laid out as stored before compression.
 pub fn png(
     color: png::ColorType,
     depth: png::BitDepth,
@@ -32,7 +32,8 @@ pub fn png(
     file
 }
 
-/// A KTX2 file with one level; `format` is Vulkan's number, `basis` the colour model and block size of one that has none.
+/// A KTX2 file with one level; `format` is Vulkan's number, `basis` the colour model and block size of one that has
+/// none.
 pub fn ktx2(
     format: u32,
     scheme: u32,

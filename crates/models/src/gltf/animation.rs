@@ -11,8 +11,8 @@ use super::nodes::Pose;
 use crate::error::Fault;
 use crate::text::quoted;
 
-/// Moves the nodes to where they are at `seconds`. Animations that move different things are applied together; of those
-/// that move the same, the first.
+/// Moves the nodes to their places at `seconds`. Animations that move different things are applied together; among
+/// those that move one thing, the first counts.
 pub(super) fn apply(asset: &Asset<'_>, seconds: f64, pose: &mut Pose) -> Result<(), Fault> {
     let mut moved = HashSet::new();
     for (number, animation) in asset.document.animations.iter().enumerate() {
@@ -58,23 +58,23 @@ fn apply_channel(
     Ok(())
 }
 
-/// Keys of one property.
+/// Curve through the keys of one property.
 struct Curve<'a> {
     asset: &'a Asset<'a>,
     sampler: &'a AnimationSampler,
     path: &'a str,
-    /// How many numbers the property has.
+    /// Number of components of the property.
     width: usize,
-    /// How many elements of the output accessor hold them: weights are stored one by one.
+    /// Number of elements of the output accessor that hold them: weights are stored one by one.
     elements: usize,
 }
 
-/// Two neighbouring keys and the time between them; before the first key and after the last they are the same.
+/// Two neighbouring keys and the time between them; before the first key and after the last both are that key.
 struct Span {
     keys: [usize; 2],
-    /// From the first of them to the second.
+    /// Time from the first key to the second, in seconds.
     seconds: f64,
-    /// 0 at the first, 1 at the second.
+    /// Fraction of that time that has passed: 0 at the first key, 1 at the second.
     fraction: f64,
 }
 
@@ -136,7 +136,7 @@ impl Curve<'_> {
         Ok(Span { keys, seconds: length, fraction })
     }
 
-    /// Numbers before each key's next: cubic splines store two tangents, too.
+    /// Rows of values that each key has: three for cubic splines, which store two tangents, too.
     fn rows(&self) -> usize {
         if self.sampler.interpolation == Interpolation::CubicSpline { 3 } else { 1 }
     }

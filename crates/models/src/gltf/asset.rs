@@ -16,12 +16,13 @@ pub(super) struct Asset<'a> {
     pub budget: Budget,
     pub warnings: Warnings,
     buffers: Vec<Option<Cow<'a, [u8]>>>,
-    /// Buffer views that were compressed.
+    /// Bytes of buffer views that were compressed, by the views' numbers.
     decompressed: HashMap<usize, Vec<u8>>,
 }
 
 impl<'a> Asset<'a> {
-    /// Checks the document and loads its buffers; what it may ask for is in proportion to `file_bytes` and theirs.
+    /// Checks the document and loads its buffers; the memory that it may ask for is in proportion to `file_bytes` and
+    /// theirs.
     pub(super) fn load(
         container: Container<'a>,
         file_bytes: usize,
@@ -59,7 +60,7 @@ impl<'a> Asset<'a> {
         Ok(&bytes[range])
     }
 
-    /// The bytes of a buffer view.
+    /// Bytes of a buffer view.
     pub(super) fn view(&self, number: usize, path: &str) -> Result<&[u8], Fault> {
         if let Some(bytes) = self.decompressed.get(&number) {
             return Ok(bytes);
@@ -72,7 +73,7 @@ impl<'a> Asset<'a> {
         &self.document.accessors[number]
     }
 
-    /// The elements of an accessor as vectors of `N` floats: all of them, or those numbered in `used`, which ascend.
+    /// Elements of an accessor as vectors of `N` floats: all of them, or those numbered in `used`, which ascend.
     pub(super) fn floats<const N: usize>(
         &self,
         number: usize,
@@ -88,7 +89,7 @@ impl<'a> Asset<'a> {
         self.gather(number, used, path, |bytes| component.float(bytes))
     }
 
-    /// As [`Self::floats`], scaled as the accessor says.
+    /// Elements like those of [`Self::floats`], scaled as the accessor says.
     pub(super) fn floats_as_stored<const N: usize>(
         &self,
         number: usize,
@@ -98,7 +99,7 @@ impl<'a> Asset<'a> {
         self.floats(number, used, self.accessor(number).normalized, path)
     }
 
-    /// As [`Self::floats`], as vectors of `N` unsigned integers.
+    /// Elements like those of [`Self::floats`], but as vectors of `N` unsigned integers.
     pub(super) fn integers<const N: usize>(
         &self,
         number: usize,
@@ -213,7 +214,7 @@ fn load_buffers<'a>(
     Ok(buffers)
 }
 
-/// Nothing where only readers that cannot decompress would need it.
+/// Bytes of a buffer; none where only readers that cannot decompress would need them.
 fn load_buffer<'a>(
     buffer: &Buffer,
     binary: Option<&'a [u8]>,

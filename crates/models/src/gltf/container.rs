@@ -1,4 +1,4 @@
-//! From bytes to a document: GLB or plain JSON.
+//! Documents from bytes: GLB or plain JSON.
 
 use serde_json::Deserializer;
 
@@ -15,11 +15,11 @@ const HEADER_BYTES: usize = 12;
 /// A file taken apart.
 pub(super) struct Container<'a> {
     pub document: Document,
-    /// GLB's own buffer.
+    /// Bytes of GLB's own buffer.
     pub binary: Option<&'a [u8]>,
 }
 
-/// Takes a .glb or .gltf apart; which of them it is is told by its first bytes.
+/// Takes a .glb or .gltf apart; the first bytes tell which of them it is.
 pub(super) fn open(bytes: &[u8]) -> Result<Container<'_>, Fault> {
     if !bytes.starts_with(MAGIC) {
         return Ok(Container { document: parse(bytes, true)?, binary: None });
@@ -60,7 +60,7 @@ fn chunks(bytes: &[u8]) -> Result<Vec<Chunk<'_>>, Fault> {
     Ok(chunks)
 }
 
-/// The chunk at `position` and where the next one begins.
+/// The chunk at `position`, and the position of the next one.
 fn chunk(file: &[u8], position: usize) -> Result<(Chunk<'_>, usize), Fault> {
     let fault = |message: String| Fault::new(Place::Byte(position), message);
     let rest = &file[position..];
@@ -73,7 +73,7 @@ fn chunk(file: &[u8], position: usize) -> Result<(Chunk<'_>, usize), Fault> {
     Ok(((kind, data), position + 8 + length))
 }
 
-/// `has_lines` where line numbers mean something to people.
+/// Document of a JSON text; with `has_lines`, line numbers mean something to people.
 fn parse(json: &[u8], has_lines: bool) -> Result<Document, Fault> {
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let mut reader = Deserializer::from_slice(json);
@@ -94,7 +94,7 @@ fn parse(json: &[u8], has_lines: bool) -> Result<Document, Fault> {
     Ok(document)
 }
 
-/// Messages quote what is in the file, which may be long.
+/// The message cut short: it quotes the file, which may be long.
 fn shortened(message: &str) -> String {
     const MOST_CHARS: usize = 300;
     match message.char_indices().nth(MOST_CHARS) {

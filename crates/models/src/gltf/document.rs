@@ -211,7 +211,7 @@ pub(super) struct Draco {
     pub attributes: BTreeMap<String, u32>,
 }
 
-/// What a primitive's vertices make up.
+/// Figures that a primitive's vertices make up.
 #[derive(Deserialize, Clone, Copy, Debug, Default, PartialEq)]
 #[serde(try_from = "u32")]
 pub(super) enum Mode {
@@ -270,7 +270,7 @@ pub(super) enum Path {
     Rotation,
     Scale,
     Weights,
-    /// Of KHR_animation_pointer.
+    /// Target of KHR_animation_pointer.
     Pointer,
 }
 

@@ -41,12 +41,12 @@ impl Geometry {
         self.mesh.faces().iter().map(|face| face.map(|point| point.0)).collect()
     }
 
-    /// How many numbers a vertex has in the attribute.
+    /// Number of components that the attribute has for each vertex.
     pub(super) fn width(&self, id: u32) -> usize {
         self.attribute(id).map_or(0, |attribute| usize::from(attribute.num_components()))
     }
 
-    /// One vector for each vertex, as stored.
+    /// Vectors of the attribute, one for each vertex, as stored.
     pub(super) fn floats<const N: usize>(&self, id: u32) -> Vec<[f32; N]> {
         let values = self.attribute(id).map_or_else(Vec::new, |attribute| attribute.read_f32s(self.vertices(), N));
         values.as_chunks().0.to_vec()

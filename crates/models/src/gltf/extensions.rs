@@ -1,4 +1,4 @@
-//! Which extensions are understood.
+//! Extensions that are understood, and messages about others.
 
 use super::asset::Asset;
 use super::document::Document;
@@ -6,7 +6,7 @@ use super::fault::at;
 use crate::error::Fault;
 use crate::text::quoted;
 
-/// Extensions that change nothing which can be seen are among them.
+/// Names of the extensions that are understood, those included that change nothing which can be seen.
 const KNOWN: [&str; 29] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -39,7 +39,7 @@ const KNOWN: [&str; 29] = [
     "KHR_xmp_json_ld",
 ];
 
-/// Refuses files that need what we do not know.
+/// Refuses files that require unknown extensions.
 pub(super) fn check_required(document: &Document) -> Result<(), Fault> {
     let unknown = document.extensions_required.iter().find(|name| !KNOWN.contains(&name.as_str()));
     unknown.map_or(Ok(()), |name| {
@@ -48,7 +48,7 @@ pub(super) fn check_required(document: &Document) -> Result<(), Fault> {
     })
 }
 
-/// Names what is not used.
+/// Warns of what the file has and is not used, by name.
 pub(super) fn warn(asset: &Asset<'_>) {
     let document = &asset.document;
     for name in document.extensions_used.iter().filter(|name| !KNOWN.contains(&name.as_str())) {

@@ -7,10 +7,11 @@ use std::fmt::Display;
 use crate::error::Fault;
 use crate::text::escaped;
 
-/// More warnings than this are only counted.
+/// Most warnings that are kept; further ones are only counted.
 const MOST_WARNINGS: usize = 100;
 
-/// `path` as in `materials[3].normalTexture.index`; `message` says what is wrong and what would be right.
+/// A fault at a `path` such as `materials[3].normalTexture.index`; `message` says what is wrong and what would be
+/// right.
 pub(super) fn at(path: impl Display, message: impl Display) -> Fault {
     Fault::whole(escaped(&format!("{path}: {message}")))
 }
@@ -35,7 +36,7 @@ impl Warnings {
         }
     }
 
-    /// All of them, in the order of their first mention.
+    /// All warnings, in the order of their first mention.
     pub(super) fn finish(self) -> Vec<String> {
         let (mut list, _) = self.told.into_inner();
         let untold = self.untold.get();
@@ -46,7 +47,7 @@ impl Warnings {
     }
 }
 
-/// What may still be allocated for what a file asks for.
+/// Bytes that may still be allocated for what a file asks for.
 ///
 /// A few bytes of a document can ask for any amount: by accessors without data, by meshes that share one buffer, by
 /// compression. So the sum of everything that is made of a file is bounded by a multiple of its size.
@@ -55,12 +56,12 @@ pub(super) struct Budget {
 }
 
 impl Budget {
-    /// Every file may ask for so much, however small it is.
+    /// Bytes that every file may ask for, however small it is.
     const BASE: u64 = 256 << 20;
-    /// For each byte of it.
+    /// Bytes that a file may ask for in addition, for each of its own.
     const FACTOR: u64 = 256;
 
-    /// For a file that has `file_bytes` with its buffers, within `most_bytes`.
+    /// Budget of a file that has `file_bytes` with its buffers, at most `most_bytes`.
     pub(super) fn new(file_bytes: u64, most_bytes: u64) -> Self {
         let proportional = file_bytes.saturating_mul(Self::FACTOR).saturating_add(Self::BASE);
         Self { left: Cell::new(proportional.min(most_bytes)) }
@@ -70,7 +71,7 @@ impl Budget {
         self.left.get()
     }
 
-    /// Takes `count` elements of `size` bytes, or says why it is too much.
+    /// Takes `count` elements of `size` bytes, or says why they are too many.
     pub(super) fn take(&self, count: usize, size: usize, path: impl Display) -> Result<(), Fault> {
         let bytes = (count as u64).saturating_mul(size as u64);
         let left = self.left.get();

@@ -12,15 +12,15 @@ use super::GltfOptions;
 use super::asset::Asset;
 use super::resources::{Resources, fetch};
 
-/// Decoded images by their numbers; none where one could not be read.
+/// Decoded images by their numbers; `None` where one could not be read.
 pub(super) struct Images {
     bitmaps: BTreeMap<usize, Option<Arc<Bitmap>>>,
-    /// For each image the first that has the same bytes.
+    /// Number of the first image that has these bytes, for each image.
     firsts: Vec<usize>,
 }
 
 impl Images {
-    /// Reads and decodes what textures of materials need. What cannot be read is a warning.
+    /// Reads and decodes the images that textures of materials need. One that cannot be read is a warning.
     pub(super) fn load(asset: &Asset<'_>, resources: &dyn Resources, options: &GltfOptions) -> Self {
         let infos = asset.document.materials.iter().flat_map(|material| material.textures());
         let textures: BTreeSet<usize> = infos.map(|(_, info)| info.index).collect();
@@ -114,7 +114,7 @@ fn decode_within(file: &[u8], left: &AtomicU64) -> Result<Bitmap, String> {
     Ok(bitmap)
 }
 
-/// In bytes.
+/// Size of the texels in bytes.
 fn size(bitmap: &Bitmap) -> u64 {
     let texel = match &bitmap.texels {
         Texels::Rgba8(_) => 4,

@@ -1,4 +1,4 @@
-//! From glTF's materials to ours, which have glTF's meaning: mostly from one name to the other.
+//! Translation of glTF's materials into ours, which have glTF's meaning: mostly from one name to the other.
 
 mod glossiness;
 
@@ -29,7 +29,7 @@ pub(super) fn translate(asset: &Asset<'_>, images: &Images) -> Result<Vec<Materi
 struct Translator<'a> {
     asset: &'a Asset<'a>,
     images: &'a Images,
-    /// Of the material.
+    /// Path of the material in the document.
     path: String,
 }
 
@@ -210,7 +210,7 @@ impl Translator<'_> {
         if value.is_finite() { Ok(value) } else { Err(at(format!("{}.{name}", self.path), "should be finite")) }
     }
 
-    /// Not negative and finite.
+    /// The value, clamped with a warning to be not negative and finite.
     fn positive(&self, name: &str, value: f32) -> Result<f32, Fault> {
         Ok(self.within(name, self.finite(name, value)?, 0.0, f32::MAX))
     }
@@ -225,8 +225,8 @@ impl Translator<'_> {
     }
 }
 
-/// Scale, then rotation, then offset. The rotation is counter-clockwise as one looks at an image whose v runs
-/// downwards, as the extension's example has it.
+/// Rows of the map that scales, then rotates, then offsets. The rotation is counter-clockwise as one looks at an image
+/// whose v runs downwards, as the extension's example has it.
 fn rows(transform: &Transform) -> [[f32; 3]; 2] {
     let (sine, cosine) = transform.rotation.sin_cos();
     let ([x, y], [u, v]) = (transform.scale, transform.offset);
@@ -246,7 +246,8 @@ fn sampled(texture: Texture, sampler: &Sampler) -> Texture {
     Texture { wrap: [wrap(sampler.wrap_s), wrap(sampler.wrap_t)], filter, ..texture }
 }
 
-/// KHR_materials_unlit: what was reflected is emitted, and nothing is reflected. The texture stays for its alpha.
+/// Makes a material unlit (KHR_materials_unlit): the reflected colour is emitted, and nothing is reflected. The texture
+/// stays for its alpha.
 fn make_unlit(surface: &mut Principled) {
     *surface = Principled {
         base_color: [0.0; 3],
@@ -260,7 +261,7 @@ fn make_unlit(surface: &mut Principled) {
     };
 }
 
-/// Shares one image among textures that are alike but for it.
+/// The texture with `image` in place of its own, which textures that are otherwise alike may share.
 fn with_image(texture: &Texture, image: Arc<raggio_images::Bitmap>) -> Texture {
     Texture { image, ..texture.clone() }
 }

@@ -10,7 +10,7 @@ use super::stream::Stream;
 use crate::error::Fault;
 use crate::mesh::{Mesh, Part};
 
-/// A mesh that is not cleaned yet, and where its vertices come from.
+/// A mesh that is not cleaned yet, with the sources of its vertices.
 pub(super) struct RestMesh<'a> {
     pub mesh: Mesh,
     pub streams: Vec<Stream<'a>>,
@@ -102,7 +102,7 @@ fn is_left_out(asset: &Asset<'_>, primitive: &Primitive, path: &str) -> bool {
     true
 }
 
-/// Names what is not used, but for attributes of applications, which begin with an underscore.
+/// Warns of attributes that are not used, except those of applications, which begin with an underscore.
 fn warn_of_attributes(asset: &Asset<'_>, primitive: &Primitive, path: &str) {
     let used = ["POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"];
     let is_used = |name: &str| used.contains(&name) || ["JOINTS_", "WEIGHTS_", "_"].iter().any(|p| name.starts_with(p));
@@ -116,7 +116,7 @@ fn warn_of_attributes(asset: &Asset<'_>, primitive: &Primitive, path: &str) {
     }
 }
 
-/// Adds what a stream has of an attribute that other streams may lack, or the other way round.
+/// Appends a stream's values of an attribute to the list; `neutral` fills in for streams that lack it.
 fn append<T: Copy>(list: &mut Option<Vec<T>>, added: Option<Vec<T>>, before: usize, count: usize, neutral: T) {
     if list.is_none() && added.is_none() {
         return;
@@ -177,7 +177,7 @@ fn assembled(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         Mode::PointsOrLines => Vec::new(),
         Mode::Triangles => indices.as_chunks().0.to_vec(),
-        // Every other one is turned round, so that all face the same side.
+        // Every other triangle is turned round, so that all face one side.
         Mode::Strip => {
             let turned = |(i, three): (usize, &[u32])| [three[0], three[1 + i % 2], three[2 - i % 2]];
             indices.windows(3).enumerate().map(turned).collect()

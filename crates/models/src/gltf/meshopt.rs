@@ -10,7 +10,7 @@ use meshopt::{
 
 use super::document::data::{Meshopt, MeshoptFilter, MeshoptMode};
 
-/// The bytes that `compressed`, whose sizes are checked, stands for.
+/// The decompressed bytes of `compressed`, whose sizes are checked.
 pub(super) fn decode(compressed: &Meshopt, bytes: &[u8]) -> Result<Vec<u8>, String> {
     let count = compressed.count;
     if count == 0 {
@@ -57,7 +57,7 @@ fn elements<const N: usize>(bytes: &[u8], count: usize, filter: MeshoptFilter) -
     Ok(words.as_flattened().iter().flat_map(|word| word.to_ne_bytes()).collect())
 }
 
-/// `stride` is a multiple of 4 up to 256, and 4 or 8 where a filter asks for that.
+/// Decoded attributes; `stride` is a multiple of 4 up to 256, and 4 or 8 where a filter asks for that.
 fn attributes(stride: usize, bytes: &[u8], count: usize, filter: MeshoptFilter) -> Result<Vec<u8>, String> {
     use MeshoptFilter::{Color, Octahedral, Quaternion};
     match (filter, stride) {

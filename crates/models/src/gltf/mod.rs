@@ -4,8 +4,8 @@
 //! crate `gltf` was not chosen because it panics on some damaged files, accepts others that are invalid (loops of
 //! nodes, buffer views that are too long), and lacks most of the extensions.
 //!
-//! The way of the data: bytes, `Container`, checked `Document`, `Asset` with buffers, then images, materials, and the
-//! nodes' poses, and last the model.
+//! Data goes from bytes to `Container`, checked `Document` and `Asset` with buffers, then to images, materials and the
+//! nodes' poses, and last to the model.
 //!
 //! Some things of a file have no meaning here and are passed over in silence: `doubleSided` (both sides of a surface
 //! are always there), occlusion textures (light transport finds occlusion itself), minification filters, near and far
@@ -44,12 +44,12 @@ use resources::Folder;
 
 pub use resources::Resources;
 
-/// How a glTF file is to be read.
+/// Options for reading a glTF file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GltfOptions {
-    /// When to sample animations; without it nothing is animated.
+    /// Time at which animations are sampled, in seconds; without it nothing is animated.
     pub time_seconds: Option<f64>,
-    /// Which scene, counted from 0; without it the file's own choice.
+    /// Number of the scene, counted from 0; without it the file's own choice.
     pub scene: Option<usize>,
     /// Whether buffers and images may lie outside the folder of the file.
     pub allow_outside: bool,
@@ -60,7 +60,7 @@ pub struct GltfOptions {
 }
 
 impl Default for GltfOptions {
-    /// At rest, the file's own scene, inside its folder, at most [`MOST_BYTES`].
+    /// Options for the file's own scene at rest, inside its folder, of at most [`MOST_BYTES`].
     fn default() -> Self {
         Self { time_seconds: None, scene: None, allow_outside: false, most_bytes: MOST_BYTES }
     }
@@ -88,7 +88,7 @@ pub fn load_gltf(path: &Path, options: &GltfOptions) -> Result<Model, ModelError
 /// Reads the bytes of a .gltf or .glb; `name` stands for the file in messages.
 ///
 /// # Errors
-/// As [`load_gltf`].
+/// Those of [`load_gltf`].
 pub fn parse_gltf(
     bytes: &[u8],
     name: &str,

@@ -1,4 +1,4 @@
-//! Where nodes stand: their own transforms, and those of their parents applied to them.
+//! Placement of nodes: their own transforms, and those of their parents applied to them.
 
 use std::collections::HashMap;
 
@@ -30,7 +30,7 @@ enum Local {
 }
 
 impl Pose {
-    /// As the document has it.
+    /// Pose that the document gives.
     pub(super) fn at_rest(document: &Document) -> Result<Self, Fault> {
         let local = |(number, node)| local(node).map_err(|message| at(format!("nodes[{number}]"), message));
         let locals = document.nodes.iter().enumerate().map(local).collect::<Result<_, _>>()?;
@@ -49,7 +49,7 @@ impl Pose {
         }
     }
 
-    /// From each node to the world. `order` has all nodes, parents first.
+    /// Transforms from each node to the world. `order` has all nodes, parents first.
     pub(super) fn worlds(&self, order: &[(usize, Option<usize>)]) -> Result<Vec<DAffine3>, Fault> {
         let mut worlds = vec![DAffine3::IDENTITY; self.locals.len()];
         for (node, parent) in order {
@@ -99,7 +99,7 @@ fn local(node: &Node) -> Result<Local, String> {
     Ok(Local::Place(Place { translation, rotation, scale: DVec3::from(node.scale.unwrap_or([1.0; 3])) }))
 }
 
-/// How many morph targets a node's mesh has.
+/// Number of morph targets of a node's mesh.
 pub(super) fn morph_targets(document: &Document, node: usize) -> usize {
     let mesh = document.nodes[node].mesh.map(|mesh| &document.meshes[mesh]);
     mesh.and_then(|mesh| mesh.primitives.first()).map_or(0, |primitive| primitive.targets.len())

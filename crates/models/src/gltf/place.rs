@@ -1,4 +1,4 @@
-//! From nodes to instances, lights and cameras.
+//! Instances, lights and cameras made from nodes.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -21,10 +21,11 @@ pub(super) struct Builder<'a> {
     pose: &'a Pose,
     worlds: &'a [DAffine3],
     model: Model,
-    /// Indices of the model's meshes by glTF's and the bits of the morph targets' weights; none where nothing is left.
+    /// Indices of the model's meshes by glTF's and the bits of the morph targets' weights; `None` where nothing is
+    /// left.
     shared: HashMap<(usize, Vec<u32>), Option<usize>>,
     dropped: Dropped,
-    /// Instances that cannot be seen.
+    /// Number of instances that cannot be seen.
     flat: usize,
 }
 
@@ -51,7 +52,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// The model but for its materials; what was left out on the way is told.
+    /// The model without its materials, with warnings of what was left out on the way.
     pub(super) fn finish(self) -> Model {
         self.dropped.warning().into_iter().for_each(|warning| self.asset.warnings.push(warning));
         if self.flat > 0 {
@@ -100,7 +101,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// The weights of the morph targets; none where all are zero.
+    /// Weights of the morph targets; none where all are zero.
     fn weights(&self, number: usize, node: &Node, mesh: usize) -> Vec<f32> {
         let animated = self.pose.weights.get(&number);
         let weights = animated.or(node.weights.as_ref()).or(self.asset.document.meshes[mesh].weights.as_ref());

@@ -44,14 +44,14 @@ fn rest_of<T>(list: &mut Option<Vec<T>>, first: usize) -> &mut [T] {
     list.as_mut().map_or(&mut [], |list| &mut list[first..])
 }
 
-/// The fourth component of tangents is a sign and stays.
+/// Adds weighted deltas to vectors; the fourth component, the sign of tangents, stays.
 fn add<const N: usize>(values: &mut [[f32; N]], deltas: &[[f32; 3]], weight: f32) {
     for (value, delta) in values.iter_mut().zip(deltas) {
         value.iter_mut().zip(delta).for_each(|(value, delta)| *value += weight * delta);
     }
 }
 
-/// Where joints take the vertices of a skin: into the world.
+/// Matrices by which joints take the vertices of a skin into the world.
 pub(super) fn joint_matrices(asset: &Asset<'_>, skin: usize, worlds: &[DAffine3]) -> Result<Vec<DAffine3>, Fault> {
     let Skin { joints, inverse_bind_matrices } = &asset.document.skins[skin];
     let path = format!("skins[{skin}].inverseBindMatrices");
@@ -63,7 +63,7 @@ pub(super) fn joint_matrices(asset: &Asset<'_>, skin: usize, worlds: &[DAffine3]
     Ok(joints.iter().enumerate().map(|(i, joint)| worlds[*joint] * inverse(i)).collect())
 }
 
-/// Of a matrix in columns; its last row is taken to be 0 0 0 1.
+/// Affine map of a matrix in columns; its last row is taken to be 0 0 0 1.
 pub(super) fn affine(m: &[f64; 16]) -> DAffine3 {
     DAffine3::from_cols_array(&[m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10], m[12], m[13], m[14]])
 }
@@ -144,7 +144,7 @@ fn transform(mesh: &mut Mesh, vertex: usize, matrix: &DAffine3) {
     }
 }
 
-/// The inverse transposed times the determinant, which there is of every matrix.
+/// Cofactors of a matrix: the inverse transposed times the determinant, which every matrix has.
 fn cofactors(m: DMat3) -> DMat3 {
     DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }

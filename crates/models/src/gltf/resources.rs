@@ -11,7 +11,7 @@ use crate::text::quoted;
 
 /// Gives the bytes of the files beside a document.
 ///
-/// A closure of the same shape is one, too: tests and fuzzers need no disk.
+/// A closure with the signature of [`Resources::read`] implements this trait, so that tests and fuzzers need no disk.
 pub trait Resources {
     /// The bytes of the file that the document calls `name`: a relative reference with its percent signs decoded. Not
     /// safe as a path: see [`path_inside`](crate::path_inside).
@@ -66,7 +66,7 @@ fn strip_scheme<'a>(uri: &'a str, scheme: &str) -> Option<&'a str> {
     start.eq_ignore_ascii_case(scheme).then_some(rest)
 }
 
-/// `data` is what follows `data:`, as RFC 2397 has it.
+/// Bytes of a data URI; `data` is the text after `data:`, as RFC 2397 has it.
 fn data_uri(data: &str) -> Result<Vec<u8>, String> {
     let (kind, body) = data.split_once(',').ok_or("the data URI should have a comma before its data")?;
     let body: Cow<'_, [u8]> = percent_decode(body.as_bytes()).into();

@@ -1,4 +1,4 @@
-//! Vertices as primitives name them: accessors or compressed geometry, whole or only those that are used.
+//! Vertices that primitives name: accessors or compressed geometry, whole or only those that are used.
 
 use super::asset::Asset;
 use super::document::{Attributes, Draco, Primitive};
@@ -8,14 +8,14 @@ use crate::error::Fault;
 
 /// Vertices that the primitives of a mesh share because they name the same accessors.
 pub(super) struct Stream<'a> {
-    /// Of the first of these primitives.
+    /// Path of the first of these primitives.
     pub path: String,
     pub attributes: &'a Attributes,
     pub targets: &'a [Attributes],
     draco: Option<(&'a Draco, Geometry)>,
-    /// Which vertices triangles use, ascending, where that is but a part of them.
+    /// Vertices that triangles use, ascending, where they are but a part of all.
     pub used: Option<Vec<u32>>,
-    /// Where they begin in the mesh.
+    /// Index in the mesh of the first of these vertices.
     pub first: usize,
 }
 
@@ -29,12 +29,13 @@ impl<'a> Stream<'a> {
         Ok(stream)
     }
 
-    /// What primitives with the same vertices have in common; compressed ones share with none.
+    /// Key that primitives which share their vertices have in common; compressed ones share with none.
     pub(super) fn key(primitive: &Primitive) -> Option<(&Attributes, &[Attributes])> {
         primitive.extensions.draco.is_none().then_some((&primitive.attributes, &primitive.targets))
     }
 
-    /// Compressed geometry says itself how many vertices it has.
+    /// Checks that all attributes have as many elements as there are vertices; compressed geometry says itself how
+    /// many.
     fn check_counts(&self, asset: &Asset<'_>) -> Result<(), Fault> {
         let vertices = self.source_vertices(asset);
         let attributes = self.attributes.iter().filter(|(name, _)| self.compressed(name).is_none());
@@ -44,7 +45,7 @@ impl<'a> Stream<'a> {
         Err(at(&self.path, format!("accessor {stray} has {count} elements: there are {vertices} vertices")))
     }
 
-    /// How many vertices there are before unused ones are left out.
+    /// Number of vertices before unused ones are left out.
     pub(super) fn source_vertices(&self, asset: &Asset<'_>) -> usize {
         match (&self.draco, self.attributes.get("POSITION")) {
             (Some((_, geometry)), _) => geometry.vertices(),
@@ -53,7 +54,7 @@ impl<'a> Stream<'a> {
         }
     }
 
-    /// How many vertices come into the mesh.
+    /// Number of vertices that come into the mesh.
     pub(super) fn vertices(&self, asset: &Asset<'_>) -> usize {
         self.used.as_ref().map_or_else(|| self.source_vertices(asset), Vec::len)
     }
@@ -80,7 +81,7 @@ impl<'a> Stream<'a> {
         self.first + self.used.as_ref().map_or(vertex as usize, |used| used.partition_point(|other| *other < vertex))
     }
 
-    /// How many numbers a vertex has in the attribute.
+    /// Number of components that a vertex has in the attribute.
     pub(super) fn width(&self, asset: &Asset<'_>, name: &str) -> usize {
         match self.compressed(name) {
             Some((geometry, id)) => geometry.width(id),

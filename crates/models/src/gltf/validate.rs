@@ -1,4 +1,4 @@
-//! Everything that can be checked of a document without its buffers, so that the rest may index freely.
+//! Checks of a document that need no buffers, so that the rest may index freely.
 
 mod data;
 mod graph;
@@ -35,7 +35,7 @@ fn each<T>(name: &str, list: &[T], check: impl Fn(&str, &T) -> Result<(), Fault>
     list.iter().enumerate().try_for_each(|(i, item)| check(&format!("{name}[{i}]"), item))
 }
 
-/// `index`, which stands in `path` under `key`, has to be one of `count` things.
+/// Checks that `index`, which stands in `path` under `key`, is one of `count` things.
 fn reference(path: &str, key: &str, index: usize, count: usize) -> Result<(), Fault> {
     if index < count {
         return Ok(());
@@ -102,7 +102,7 @@ fn check_primitive(document: &Document, path: &str, primitive: &Primitive) -> Re
     optional(path, "extensions.KHR_draco_mesh_compression.bufferView", draco, document.buffer_views.len())
 }
 
-/// How many elements the accessors have, which is the same for all.
+/// Number of elements of the accessors, which all have equally many.
 fn first_count(document: &Document, attributes: &Attributes) -> usize {
     attributes.values().next().map_or(0, |accessor| document.accessors[*accessor].count)
 }

@@ -1,4 +1,4 @@
-//! From MTL's materials to principled ones.
+//! Translation of MTL's materials into principled ones.
 //!
 //! MTL describes a picture more than a surface, and programs have written it with several meanings. Ours: colours are
 //! linear; a texture multiplies the colour beside it, and counts alone where that colour is black, because exporters
@@ -13,9 +13,9 @@ use super::textures::Textures;
 use crate::material::{AlphaMode, Principled, Texture};
 use crate::model::Material;
 
-/// Of materials that give no colour.
+/// Colour of materials that give none.
 const GREY: [f32; 3] = [0.8; 3];
-/// Where a library gives none, or one below it.
+/// Refractive index where a library gives none, or one below it.
 const DEFAULT_IOR: f32 = 1.5;
 /// The reflection colours that stand for a dielectric's own reflection.
 const USUAL_SPECULAR: f32 = 0.5;
@@ -72,7 +72,8 @@ fn set_color(surface: &mut Principled, mtl: &MtlMaterial, textures: &mut Texture
     };
 }
 
-/// GGX's width for an exponent is `walter2007microfacet`'s, and roughness the square root of a width.
+/// Sets the reflection: GGX's width for an exponent is `walter2007microfacet`'s, and roughness the square root of a
+/// width.
 fn set_reflection(surface: &mut Principled, mtl: &MtlMaterial, textures: &mut Textures<'_>) {
     let is_physical = mtl.roughness.is_some() || mtl.metallic.is_some() || mtl.roughness_map.is_some();
     let is_diffuse = mtl.illumination.is_some_and(|model| model < 2.0) && !is_physical;
@@ -94,8 +95,8 @@ fn set_reflection(surface: &mut Principled, mtl: &MtlMaterial, textures: &mut Te
     surface.metallic_roughness_texture = textures.metallic_roughness(rough, metal);
 }
 
-/// An index above 1 is asked for, because there are exporters that give every material a model of illumination that
-/// refracts, or a filter of white, and the index of nothing.
+/// Sets the transmission. An index above 1 is asked for, because there are exporters that give every material a model
+/// of illumination that refracts, or a filter of white, and the index of nothing.
 fn set_transmission(surface: &mut Principled, mtl: &MtlMaterial) {
     let refracts = mtl.illumination.is_some_and(|model| REFRACTING.contains(&model));
     let filters = mtl.transmission.is_some() && surface.alpha < 1.0;
@@ -122,7 +123,7 @@ fn set_emission(surface: &mut Principled, mtl: &MtlMaterial, textures: &mut Text
     surface.emissive_texture = map;
 }
 
-/// White under a texture whose colour is black or missing.
+/// Factor beside a texture or without one: white under a texture whose colour is black or missing.
 fn factor(color: Option<[f32; 3]>, texture: Option<&Texture>, default: [f32; 3]) -> [f32; 3] {
     match (color.filter(|color| texture.is_none() || *color != [0.0; 3]), texture) {
         (Some(color), _) => color,

@@ -18,7 +18,7 @@ use crate::text::{number, quoted};
 use lines::{Lines, keyword, words};
 use mtl::{MtlMaterial, lossy};
 
-/// In a corner: there is no texture coordinate, or no normal.
+/// Index of a corner that has no texture coordinate, or no normal.
 const NONE: u32 = u32::MAX;
 
 /// Reads an OBJ file; `name` stands for the file in messages. Material libraries are named, not read. Colours of vertices
@@ -37,7 +37,7 @@ pub fn parse_obj(bytes: &[u8], name: &str) -> Result<MeshFile, ModelError> {
 #[derive(Default)]
 struct Reader {
     positions: Vec<[f32; 3]>,
-    /// As long as `positions`, or empty as long as no vertex has had a colour.
+    /// Colours of the vertices: as many as `positions`, or none as long as no vertex has had a colour.
     colors: Vec<[f32; 4]>,
     uvs: Vec<[f32; 2]>,
     normals: Vec<[f32; 3]>,
@@ -88,7 +88,7 @@ impl Reader {
         Ok(())
     }
 
-    /// `x y z`, `x y z w` or `x y z red green blue`.
+    /// Reads a vertex: `x y z`, `x y z w` or `x y z red green blue`.
     fn vertex(&mut self, rest: &[u8]) -> Result<(), String> {
         let ([x, y, z, r, g, b], count) = numbers::<6>(rest, 3)?;
         if count == 6 || !self.colors.is_empty() {
@@ -157,7 +157,7 @@ impl Reader {
         self.material = Some(number);
     }
 
-    /// Several names, or one with blanks: a name ends in `.mtl`.
+    /// Reads the names of libraries: several, or one with blanks, as a name ends in `.mtl`.
     fn name_libraries(&mut self, rest: &[u8]) {
         let mut name = Vec::new();
         let mut names = Vec::new();
@@ -223,7 +223,7 @@ fn numbers<const N: usize>(text: &[u8], least: usize) -> Result<([f32; N], usize
     Ok((values, count))
 }
 
-/// Counted from 1, or backwards from the last one with -1; returned counted from 0.
+/// Index counted from 0 of one that counts from 1, or backwards from the last one with -1.
 fn index(field: &[u8], what: &str, count: usize) -> Result<u32, String> {
     let number = std::str::from_utf8(field).ok().and_then(|field| field.parse::<i64>().ok());
     let number = number.ok_or_else(|| format!("{} should be the number of a {what}", quoted(field)))?;

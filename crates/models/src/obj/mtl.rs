@@ -4,57 +4,57 @@ use super::lines::{Lines, keyword, words};
 use crate::error::{Fault, ModelError};
 use crate::text::{number, quoted};
 
-/// More unknown keywords of a material are not told.
+/// Most unknown keywords of a material that are told.
 const MOST_UNREAD: usize = 16;
 
 /// A material of a library; `None` where the library is silent.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MtlMaterial {
-    /// As `usemtl` gives it.
+    /// Name of the material, as `usemtl` gives it.
     pub name: String,
-    /// Kd.
+    /// Diffuse colour (Kd).
     pub diffuse: Option<[f32; 3]>,
-    /// Ks.
+    /// Specular colour (Ks).
     pub specular: Option<[f32; 3]>,
-    /// Ke.
+    /// Emitted colour (Ke).
     pub emission: Option<[f32; 3]>,
-    /// Tf.
+    /// Transmission filter (Tf).
     pub transmission: Option<[f32; 3]>,
-    /// Ns.
+    /// Exponent of the highlight (Ns).
     pub shininess: Option<f32>,
-    /// d, or one minus Tr.
+    /// Opacity (d, or one minus Tr).
     pub opacity: Option<f32>,
-    /// Ni.
+    /// Refractive index (Ni).
     pub refractive_index: Option<f32>,
-    /// illum.
+    /// Illumination model (illum).
     pub illumination: Option<f32>,
-    /// Pr.
+    /// Roughness (Pr).
     pub roughness: Option<f32>,
-    /// Pm.
+    /// Metalness (Pm).
     pub metallic: Option<f32>,
-    /// Pc.
+    /// Strength of the clear coat (Pc).
     pub clearcoat: Option<f32>,
-    /// Pcr.
+    /// Roughness of the clear coat (Pcr).
     pub clearcoat_roughness: Option<f32>,
-    /// aniso.
+    /// Anisotropy (aniso).
     pub anisotropy: Option<f32>,
-    /// anisor, in turns.
+    /// Rotation of the anisotropy in turns (anisor).
     pub anisotropy_rotation: Option<f32>,
-    /// map_Kd.
+    /// Texture of the diffuse colour (map_Kd).
     pub diffuse_map: Option<MtlMap>,
-    /// map_Ks.
+    /// Texture of the specular colour (map_Ks).
     pub specular_map: Option<MtlMap>,
-    /// map_Ke.
+    /// Texture of the emitted colour (map_Ke).
     pub emission_map: Option<MtlMap>,
-    /// map_d.
+    /// Texture of the opacity (map_d).
     pub opacity_map: Option<MtlMap>,
-    /// map_Pr.
+    /// Texture of the roughness (map_Pr).
     pub roughness_map: Option<MtlMap>,
-    /// map_Pm.
+    /// Texture of the metalness (map_Pm).
     pub metallic_map: Option<MtlMap>,
-    /// norm.
+    /// Normal map (norm).
     pub normal_map: Option<MtlMap>,
-    /// bump or map_Bump.
+    /// Bump map (bump or map_Bump).
     pub bump_map: Option<MtlMap>,
     /// The first keywords of lines that say something which is not read, each once, quoted for messages.
     pub unread: Vec<String>,
@@ -63,15 +63,15 @@ pub struct MtlMaterial {
 /// A texture as a library names it, with its options. Coordinates become `scale * coordinates + offset`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MtlMap {
-    /// Not safe as a path: see [`crate::path_inside`].
+    /// Name of the file. Not safe as a path: see [`crate::path_inside`].
     pub file: String,
-    /// -s, along u and v.
+    /// Scale of the coordinates along u and v (-s).
     pub scale: [f32; 2],
-    /// -o, along u and v.
+    /// Offset of the coordinates along u and v (-o).
     pub offset: [f32; 2],
-    /// -clamp on.
+    /// Whether the image is clamped to its edges (-clamp on).
     pub clamp: bool,
-    /// -bm.
+    /// Bump multiplier (-bm).
     pub multiplier: f32,
 }
 
@@ -139,7 +139,7 @@ fn finite(word: &[u8]) -> Result<f32, String> {
     value.ok_or_else(|| format!("{} should be a finite number", quoted(word)))
 }
 
-/// One number is a grey. Colours in other spaces and spectra are passed over.
+/// Colour of a line; one number is a grey. Colours in other spaces and spectra are passed over.
 fn color(text: &[u8]) -> Result<Option<[f32; 3]>, String> {
     let words: Vec<_> = words(text).take(3).collect();
     match words[..] {
@@ -150,7 +150,7 @@ fn color(text: &[u8]) -> Result<Option<[f32; 3]>, String> {
     }
 }
 
-/// A line of zeros says nothing.
+/// Notes an unread keyword, unless its line is all zeros and says nothing.
 fn unread(material: &mut MtlMaterial, key: &[u8], rest: &[u8]) {
     let is_new = material.unread.len() < MOST_UNREAD && words(rest).any(|word| number(word) != Some(0.0));
     let key = quoted(key);
@@ -159,7 +159,7 @@ fn unread(material: &mut MtlMaterial, key: &[u8], rest: &[u8]) {
     }
 }
 
-/// The name of the file, which may have blanks, after options such as `-s 2 2 1`.
+/// Texture of a line: options such as `-s 2 2 1`, then the name of the file, which may have blanks.
 fn map(mut rest: &[u8]) -> Option<MtlMap> {
     let mut map = MtlMap::named(String::new());
     loop {

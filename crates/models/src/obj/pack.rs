@@ -2,10 +2,10 @@
 
 use raggio_images::{Bitmap, Texels};
 
-/// Where a channel comes from.
+/// Source of a channel.
 #[derive(Clone, Copy)]
 pub(super) enum Source<'a> {
-    /// 1 everywhere.
+    /// The value 1 everywhere.
     One,
     /// A channel of an image: 0 red, 1 green, 2 blue, 3 alpha.
     Channel(&'a Bitmap, usize),
@@ -26,7 +26,7 @@ pub(super) fn packed(sources: [Source<'_>; 4]) -> Bitmap {
     Bitmap { width, height, texels }
 }
 
-/// At most so many bytes have the texels of [`packed`].
+/// Most bytes that the texels of [`packed`] take.
 pub(super) fn packed_bytes(sources: &[Source<'_>; 4]) -> u64 {
     let [width, height] = size(sources).map(u64::from);
     width.saturating_mul(height).saturating_mul(8)
@@ -51,7 +51,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// At a place of a grid of that size, 65535 being 1.
+    /// Value at a place of a grid of that size, 65535 being 1.
     fn value(&self, [x, y]: [u32; 2], [width, height]: [u32; 2]) -> u16 {
         let Self::Channel(image, channel) = *self else { return u16::MAX };
         let scaled = |at: u32, from: u32, to: u32| (u64::from(at) * u64::from(to) / u64::from(from)) as usize;

@@ -1,4 +1,4 @@
-//! Textures of MTL: read once each, laid out as principled materials have them.
+//! Textures of MTL, read once each and laid out as principled materials have them.
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -17,15 +17,15 @@ pub(crate) struct Textures<'a> {
     folder: &'a Path,
     options: &'a LoadOptions,
     bytes_left: u64,
-    /// By path; `None` for those that cannot be read.
+    /// Images by path; `None` for those that cannot be read.
     images: HashMap<PathBuf, Option<Arc<Bitmap>>>,
-    /// By what was put together for what; the places in memory stay, because `images` keeps all images.
+    /// Images put together, by use and sources; the places in memory stay, because `images` keeps all images.
     packed: HashMap<(Use, [*const Bitmap; 2]), Arc<Bitmap>>,
     warnings: Vec<String>,
     warned: HashSet<String>,
 }
 
-/// What an image is put together for.
+/// Purpose for which images are put together.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Use {
     Coverage,
@@ -130,7 +130,7 @@ impl<'a> Textures<'a> {
     }
 }
 
-/// MTL's coordinates begin at the bottom left, an image's at its top left.
+/// Transform of the coordinates: MTL's begin at the bottom left, an image's at its top left.
 fn transform(map: &MtlMap) -> [[f32; 3]; 2] {
     let ([su, sv], [ou, ov]) = (map.scale, map.offset);
     [[su, 0.0, ou], [0.0, -sv, 1.0 - ov]]

@@ -18,7 +18,7 @@ impl<'a> Body<'a> {
         Self { encoding: header.encoding, words, bytes, position: header.end }
     }
 
-    /// The rows of an element, of which so many fit into the bytes that are left.
+    /// Number of rows of an element, checked to fit into the bytes that are left.
     pub(super) fn rows(&self, element: &Element<'_>) -> Result<usize, Fault> {
         let least = element.least_bytes(self.encoding);
         if least == 0 {
@@ -61,7 +61,7 @@ impl<'a> Body<'a> {
         self.take(count * property.value.bytes()).map(drop)
     }
 
-    /// The length of a list, so many of whose values fit into the bytes that are left.
+    /// Length of a list, checked so that as many values fit into the bytes that are left.
     pub(super) fn list_length(&mut self, length: Scalar, value: Scalar) -> Result<usize, Fault> {
         let place = self.place();
         let count = self.number(length)?;
@@ -124,7 +124,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Where the next number of a binary file is; in ascii, [`Self::fault`] names the line of the last one instead.
+    /// Place of the next number of a binary file; in ascii, [`Self::fault`] names the line of the last one instead.
     fn place(&self) -> Place {
         Place::Byte(self.position)
     }

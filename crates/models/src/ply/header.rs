@@ -1,9 +1,9 @@
-//! The header of a PLY file: what its body holds.
+//! The header of a PLY file, which says what its body holds.
 
 use crate::error::{Fault, Place};
 use crate::text::quoted;
 
-/// How the body is stored.
+/// Storage of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -52,7 +52,7 @@ impl Scalar {
         !matches!(self, Self::F32 | Self::F64)
     }
 
-    /// What a colour of full strength is.
+    /// Value of a colour of full strength.
     pub(super) fn full(self) -> f64 {
         match self {
             Self::I8 => f64::from(i8::MAX),
@@ -99,15 +99,15 @@ impl Element<'_> {
     }
 }
 
-/// All that the header says.
+/// Contents of the header.
 pub(super) struct Header<'a> {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element<'a>>,
-    /// Where the body begins.
+    /// Offset in bytes at which the body begins.
     pub(super) end: usize,
     /// The number of lines before the body.
     pub(super) lines: usize,
-    /// What comments name as textures, as MeshLab writes them.
+    /// Names of textures given in comments, as MeshLab writes them.
     pub(super) textures: Vec<&'a [u8]>,
 }
 
@@ -170,7 +170,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header<'_>, Fault> {
     Ok(Header { encoding, elements, end: lines.position, lines: lines.number, textures })
 }
 
-/// Names of files may have blanks.
+/// Text after the second word, such as the name of a file, which may have blanks.
 fn after_second_word(text: &[u8]) -> &[u8] {
     let after_word = |text: &'_ [u8]| text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());
     let text = text[after_word(text)..].trim_ascii();

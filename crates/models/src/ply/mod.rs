@@ -13,7 +13,7 @@ use crate::text::quoted;
 use body::Body;
 use header::{Element, Header, Property};
 
-/// The places of a vertex row: position, normal, two sets of texture coordinates, colour.
+/// Number of slots of a vertex row: position, normal, two sets of texture coordinates, colour.
 const SLOTS: usize = 14;
 const NORMAL: usize = 3;
 const UV: [usize; 2] = [6, 8];
@@ -33,7 +33,7 @@ pub fn parse_ply(bytes: &[u8], name: &str) -> Result<MeshFile, ModelError> {
 #[derive(Default)]
 struct Polygons {
     corners: Vec<u32>,
-    /// Where each ends in `corners`.
+    /// End of each polygon in `corners`.
     ends: Vec<usize>,
     /// Texture coordinates of corners, if faces have some: as long as `corners` then.
     uvs: Option<Vec<[f32; 2]>>,
@@ -72,7 +72,7 @@ fn material(header: &Header<'_>, mesh: &mut Mesh, warnings: &mut Vec<String>) ->
     vec![MtlMaterial { diffuse_map, ..MtlMaterial::default() }]
 }
 
-/// Where a property of a vertex goes.
+/// Slot of a vertex row into which a property goes.
 fn slot(name: &[u8]) -> Option<usize> {
     Some(match name {
         b"x" => 0,
@@ -137,7 +137,7 @@ fn vertices(body: &mut Body<'_>, element: &Element<'_>, rows: usize) -> Result<M
     Ok(mesh)
 }
 
-/// The list of vertices among the properties of a face or a strip.
+/// Whether the property of a face or a strip is the list of its vertices.
 fn corner_list(property: &Property<'_>) -> bool {
     property.length.is_some() && matches!(property.name, b"vertex_indices" | b"vertex_index")
 }
@@ -178,7 +178,7 @@ fn faces(body: &mut Body<'_>, element: &Element<'_>, rows: usize, polygons: &mut
             }
             polygons.ends.push(polygons.corners.len());
         }
-        // As many as there are corners, whatever the file has.
+        // The list is made as long as that of the corners, whatever the file has.
         if has_uvs {
             polygons.uvs.get_or_insert_default().resize(polygons.corners.len(), [0.0; 2]);
         }
@@ -194,7 +194,7 @@ fn face_uvs(body: &mut Body<'_>, property: &Property<'_>, count: usize, uvs: &mu
     (0..count % 2).try_for_each(|_| body.number(property.value).map(drop))
 }
 
-/// Strips of triangles; a negative index begins a new one.
+/// Reads strips of triangles; a negative index begins a new one.
 fn strips(body: &mut Body<'_>, element: &Element<'_>, rows: usize, polygons: &mut Polygons) -> Result<(), Fault> {
     check_corner_list(element)?;
     for _ in 0..rows {
@@ -231,7 +231,7 @@ fn check_indices(polygons: &Polygons, vertices: usize) -> Result<(), Fault> {
     )))
 }
 
-/// Returns how many polygons have fewer than three corners.
+/// Cuts the polygons into triangles. Returns how many polygons have fewer than three corners.
 fn triangulate(polygons: &Polygons, mesh: &mut Mesh) -> usize {
     let mut triangulator = Triangulator::new();
     let (mut start, mut too_few) = (0, 0);

@@ -1,4 +1,4 @@
-//! Files that have been read, and whether they are still what they were.
+//! A cache of files that have been read, which notices when they change.
 
 use std::collections::{HashMap, HashSet};
 use std::fs::{self, Metadata};
@@ -23,7 +23,7 @@ impl Key {
     }
 }
 
-/// What tells one state of a file from another.
+/// Signs that tell one state of a file from another.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Stamp {
     modified: Option<SystemTime>,
@@ -42,7 +42,7 @@ struct Entry<T> {
     stamp: Stamp,
 }
 
-/// What files hold, by their canonical paths.
+/// Contents of files, by their canonical paths.
 #[derive(Debug)]
 pub(super) struct Cache<T> {
     entries: HashMap<Key, Entry<T>>,
@@ -59,7 +59,7 @@ impl<T> Default for Cache<T> {
 }
 
 impl<T> Cache<T> {
-    /// What is kept of the file, or what `read` makes of it.
+    /// Contents of the file that are kept, or else those that `read` gives.
     pub(super) fn get_or_read(
         &mut self,
         key: Key,
@@ -90,7 +90,7 @@ impl<T> Cache<T> {
         self.entries.keys().map(|key| key.path.as_path())
     }
 
-    /// Forgets the files that have changed. Whether there was one.
+    /// Forgets the files that have changed. Returns whether there was one.
     pub(super) fn refresh(&mut self) -> bool {
         let before = self.entries.len();
         self.entries.retain(|key, entry| stamp(&key.path).is_ok_and(|now| now == entry.stamp));
@@ -99,7 +99,7 @@ impl<T> Cache<T> {
         self.entries.len() < before
     }
 
-    /// Forgets what has not been asked for since the last sweep.
+    /// Forgets the files that have not been asked for since the last sweep.
     pub(super) fn sweep(&mut self) {
         let used = std::mem::take(&mut self.used);
         self.canonical.retain(|key, _| used.contains(key));
@@ -108,7 +108,7 @@ impl<T> Cache<T> {
     }
 }
 
-/// Pipes and devices are refused, because reading them may never end.
+/// Stamp of a file. Pipes and devices are refused, because reading them may never end.
 fn stamp(path: &Path) -> Result<Stamp, Trouble> {
     let metadata = fs::metadata(path).map_err(|error| cannot_be_read(&error))?;
     if metadata.is_file() { Ok(metadata.into()) } else { Err(Trouble::whole("is not a file")) }

@@ -11,17 +11,17 @@ use crate::number::{BRIGHTEST, SMALLEST};
 #[derive(Debug)]
 pub(crate) struct Imported {
     pub meshes: Vec<Arc<Mesh>>,
-    /// Of meshes with triangles, by maps that can be undone.
+    /// Instances of meshes with triangles, placed by maps that can be undone.
     pub instances: Vec<Instance>,
-    /// With the names that the file gives them.
+    /// Materials, with the names that the file gives them.
     pub materials: Vec<(String, Arc<Principled>)>,
     pub lights: Vec<Light>,
     pub cameras: Vec<Camera>,
-    /// One sentence each, without the file's name.
+    /// Warnings, one sentence each, without the file's name.
     pub warnings: Vec<String>,
     /// Whether any part of an instance has no material of the file's.
     pub has_bare_parts: bool,
-    /// Of each mesh.
+    /// Bounds of each mesh, in its own space.
     bounds: Vec<Bounds>,
 }
 
@@ -59,14 +59,14 @@ impl Imported {
     }
 }
 
-/// Whether it is finite and keeps volumes from vanishing.
+/// Whether the map is finite and keeps volumes from vanishing.
 pub(crate) fn can_be_undone(map: &DAffine3) -> bool {
     let determinant = map.matrix3.determinant();
     let inverse = map.inverse();
     map.is_finite() && determinant.is_normal() && inverse.matrix3.is_finite() && inverse.translation.is_finite()
 }
 
-/// Whether it was too bright, or no brightness at all.
+/// Limits the brightness of a colour. Returns whether it was too bright, or no brightness at all.
 fn dim(color: &mut [f32; 3]) -> bool {
     let most = BRIGHTEST as f32;
     let is_sound = color.iter().all(|component| (0.0..=most).contains(component));

@@ -30,7 +30,7 @@ pub(super) fn environment(file: &EnvironmentFile, files: &mut Files<'_>) -> Resu
     })
 }
 
-/// The first key that says a colour.
+/// The first given key that is a colour.
 fn colors(file: &EnvironmentFile) -> Option<&'static str> {
     first_given(&[
         ("color", file.color.is_some()),
@@ -50,7 +50,7 @@ fn image(path: &str, file: &EnvironmentFile, files: &mut Files<'_>) -> Result<En
     }
     Ok(Environment::Image {
         image: files.image(path, steps!["environment", "image"])?,
-        // Reduced while it is precise.
+        // Angles are reduced while they are precise.
         rotation_degrees: file.rotation_degrees.map_or(0.0, |degrees| degrees.0.rem_euclid(360.0) as f32),
         intensity: file.intensity.map_or(1.0, |intensity| intensity.0 as f32),
     })

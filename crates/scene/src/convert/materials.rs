@@ -10,7 +10,7 @@ use crate::names;
 use crate::number::BRIGHTEST;
 use crate::scene::{Material, Reflection};
 
-/// In the order of the file.
+/// Materials in the order of the file.
 pub(super) fn materials(
     file: &Materials,
     files: &mut Files<'_>,
@@ -77,7 +77,7 @@ fn refuse_too_bright(name: &str, file: &MaterialFile) -> Result<(), Fault> {
     Err(Fault::value(steps!["materials", name, "emission_strength"], message))
 }
 
-/// What only a dielectric has, given to an opaque material.
+/// Warns of keys that only a dielectric has, given to an opaque material.
 fn warn_of_opaque(name: &str, file: &MaterialFile, warnings: &mut Vec<Fault>) {
     if file.refractive_index.is_some() {
         return;

@@ -1,4 +1,4 @@
-//! Models: each of their instances becomes a shape, and what else they bring is taken along.
+//! Models: each of their instances becomes a shape; their materials and lights are taken along.
 
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use crate::number::{LARGEST, SMALLEST};
 use crate::scene::{Geometry, Material, Placement, Shape, rotation};
 
 impl Files<'_> {
-    /// Absolute paths are what they are, others are relative to the scene's folder.
+    /// Image of that name: an absolute path stays as it is, others are relative to the scene's folder.
     pub(super) fn image(&mut self, name: &str, at: Vec<Step>) -> Result<Arc<Bitmap>, Fault> {
         let image = self.assets.image(self.folder.join(name));
         image.map_err(|trouble| Fault::value(at, format!("{}{trouble}", names::printable(name))))
@@ -30,7 +30,8 @@ impl Files<'_> {
 }
 
 impl Builder<'_, '_> {
-    /// `index` is the place of the shape in the file; `material`, if there is one, covers all of the model.
+    /// Adds a model. `index` is the place of the shape in the file; `material`, if there is one, covers all of the
+    /// model.
     pub(super) fn add_model(
         &mut self,
         index: usize,
@@ -70,7 +71,8 @@ impl Builder<'_, '_> {
         Ok(placement)
     }
 
-    /// The material of parts without one, and where the others begin. A model's are added when it is met first.
+    /// Index of the material of parts without one, and that of the first of the others. A model's are added when it is
+    /// met first.
     fn own_materials(
         &mut self,
         index: usize,
@@ -111,7 +113,7 @@ fn imported<'a>(file: &'a str, model: &'a Imported) -> impl Iterator<Item = Mate
     named.chain(bare)
 }
 
-/// In 64 bits, as the file has it: T + R S p.
+/// Placement of the model in 64 bits, as the file has it: T + R S p.
 fn world_from_model(mesh: &MeshFile, placement: &Placement) -> DAffine3 {
     let matrix3 = rotation(placement.rotation_degrees) * DMat3::from_diagonal(scale(mesh));
     DAffine3 { matrix3, translation: dvec3(mesh.translation) }
@@ -144,8 +146,8 @@ fn beyond(mesh: &MeshFile) -> String {
     format!("{file}: as it is placed here, it is too large or too small: keep all of it within 1e15 of the origin")
 }
 
-/// The lights of a model are scaled with it: lengths are multiplied by s, so that intensity has to be by s squared for
-/// everything to be lit as before.
+/// The light placed in the world. Lights of a model are scaled with it: lengths are multiplied by s, so intensity has
+/// to be multiplied by s squared for everything to be lit as before.
 fn placed(light: &Light, world_from_model: &DAffine3) -> Light {
     let area = world_from_model.matrix3.determinant().abs().powf(2.0 / 3.0);
     let gain = if light.kind == LightKind::Directional { 1.0 } else { area };

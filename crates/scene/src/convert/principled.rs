@@ -8,7 +8,7 @@ use crate::file::{AlphaModeFile, PrincipledFile, TextureFile, TextureFilterFile,
 use crate::names;
 use crate::number::BRIGHTEST;
 
-/// `name` is the material's.
+/// Principled material of the material called `name`.
 pub(super) fn principled(
     name: &str,
     file: &PrincipledFile,
@@ -62,7 +62,7 @@ pub(super) fn principled(
         sheen_roughness: number(file.sheen_roughness, beside(&file.sheen_roughness_texture)),
         sheen_roughness_texture: load("sheen_roughness_texture", &file.sheen_roughness_texture)?,
         anisotropy: number(file.anisotropy, beside(&file.anisotropy_texture)),
-        // Reduced while it is precise.
+        // Angles are reduced while they are precise.
         anisotropy_rotation: file.anisotropy_rotation.map_or(0.0, |it| it.0.rem_euclid(360.0).to_radians() as f32),
         anisotropy_texture: load("anisotropy_texture", &file.anisotropy_texture)?,
         iridescence: number(file.iridescence, beside(&file.iridescence_texture)),
@@ -89,7 +89,7 @@ fn color<T: Into<f64>>(file: Option<[T; 3]>, default: [f32; 3]) -> [f32; 3] {
     file.map_or(default, |color| color.map(|component| component.into() as f32))
 }
 
-/// The default of a factor that is 0 on its own, but must not make its texture void.
+/// Default of a factor that is 0 on its own, but must not make its texture void.
 fn beside(texture: &Option<TextureFile>) -> f32 {
     if texture.is_some() { 1.0 } else { 0.0 }
 }
@@ -121,7 +121,7 @@ fn place(name: &str) -> String {
     format!("[materials.{}.principled]", names::key(name))
 }
 
-/// Whoever gives a strength or a texture wants to see light.
+/// Emitted radiance; it is white by default where a strength or a texture is given, as its writer wants to see light.
 fn emissive(name: &str, file: &PrincipledFile) -> Result<[f32; 3], Fault> {
     let shines = file.emissive_strength.is_some() || file.emissive_texture.is_some();
     let color = file.emissive.map_or([f64::from(shines); 3], |color| color.map(f64::from));
@@ -134,7 +134,7 @@ fn emissive(name: &str, file: &PrincipledFile) -> Result<[f32; 3], Fault> {
 }
 
 fn texture(name: &str, key: &str, file: &TextureTable, files: &mut Files<'_>) -> Result<Texture, Fault> {
-    // Where only a path is given, there is no `image` below, and the path is what is found.
+    // Files that give only a path have no `image` below, and the path is what is found.
     let path = steps!["materials", name, "principled", key, "image"];
     Ok(Texture {
         uv_set: file.uv_set.map_or(0, |set| set.0 as u8),
@@ -160,7 +160,8 @@ fn wrap(name: WrapName) -> Wrap {
     }
 }
 
-/// As KHR_texture_transform has it: scale, then turn, then move. Counter-clockwise for the eye, v being downwards.
+/// Texture transform as KHR_texture_transform has it: scale, then turn, then move. It turns counter-clockwise for the
+/// eye, v being downwards.
 fn transform(file: &TextureTable) -> [[f32; 3]; 2] {
     let [x, y] = file.offset.map_or([0.0; 2], |offset| offset.map(f64::from));
     let [u, v] = file.scale.map_or([1.0; 2], |scale| scale.map(f64::from));

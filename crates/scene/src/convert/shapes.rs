@@ -13,7 +13,7 @@ use crate::scene::{Entry, Geometry, Shape};
 const PERPENDICULAR: f64 = 1e-4;
 
 impl Builder<'_, '_> {
-    /// `index` is the shape's place in the file.
+    /// Adds a shape; `index` is its place in the file.
     pub(super) fn add(&mut self, index: usize, file: &ShapeFile, materials: &Materials) -> Result<(), Fault> {
         let named = |name: &String| {
             let material = self.indices.get(name.as_str()).copied();
@@ -126,7 +126,7 @@ fn not_zero(vector: DVec3, at: &[Step], key: &str) -> Result<DVec3, Fault> {
     Err(Fault::value(at, message))
 }
 
-/// Says the angle, and the edge nearest to the given one that would be right.
+/// Message that says the angle, and the edge nearest to the given one that would be right.
 fn not_perpendicular(edge_u: DVec3, edge_v: DVec3, at: &[Step]) -> String {
     let place = place(at);
     let degrees = edge_u.angle_between(edge_v).to_degrees();
@@ -142,7 +142,7 @@ fn not_perpendicular(edge_u: DVec3, edge_v: DVec3, at: &[Step]) -> String {
     format!("`edge_u` and `edge_v` {place} meet at {angle} degrees, not at 90: {advice}")
 }
 
-/// Rounded to six digits.
+/// The number rounded to six digits.
 fn tidy(x: f64) -> f64 {
     // Adding zero turns -0 into 0.
     format!("{x:.5e}").parse().unwrap_or(x) + 0.0

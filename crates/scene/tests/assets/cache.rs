@@ -1,4 +1,4 @@
-//! What is read again, and what is not.
+//! Files that are read again when a scene is, and files that are not.
 
 use std::fs;
 use std::path::PathBuf;
@@ -94,7 +94,7 @@ fn a_file_of_its_own_time_is_changed_too() {
     let folder = Folder::new();
     let mut assets = Assets::default();
     folder.read(BODY, &mut assets).unwrap();
-    // Of the same length, but later.
+    // The new text has the old one's length, but a later time.
     folder.write("triangle.ply", TRIANGLE_PLY.replace("0 2 0\n", "0 3 0\n"));
     let later = std::time::SystemTime::now() + std::time::Duration::from_secs(5);
     fs::File::options().append(true).open(folder.path("triangle.ply")).unwrap().set_modified(later).unwrap();

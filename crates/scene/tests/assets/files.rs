@@ -8,7 +8,7 @@ use raggio_scene::{Assets, DAffine3, Geometry, Mesh, Scene, SceneError};
 
 use crate::common::check_invariants;
 
-/// Five lines.
+/// First five lines of a scene file.
 pub const HEAD: &str = "version = 1
 [camera]
 position = [0, 1, 4]
@@ -32,7 +32,7 @@ end_header
 3 0 1 2
 ";
 
-/// The same, in two parts of two materials, and one without.
+/// A triangle like that of [`TRIANGLE_PLY`] in two parts of two materials, and one without.
 pub const PARTS_OBJ: &str = "mtllib parts.mtl
 v 0 0 0
 v 1 0 0
@@ -45,7 +45,7 @@ usemtl blue
 f 1 4 3
 ";
 
-/// What [`PARTS_OBJ`] names.
+/// Material library that [`PARTS_OBJ`] names.
 pub const PARTS_MTL: &str = "newmtl red
 Kd 1 0 0
 newmtl blue
@@ -76,18 +76,18 @@ impl Folder {
         fs::write(self.path(name), bytes).unwrap();
     }
 
-    /// The text as that of `scene.toml` in this folder, after [`HEAD`].
+    /// Result of reading the text as that of `scene.toml` in this folder, after [`HEAD`].
     pub fn read(&self, body: &str, assets: &mut Assets) -> Result<Scene, SceneError> {
         let scene = Scene::parse_with(&format!("{HEAD}{body}"), &self.path("scene.toml"), assets);
         scene.inspect(check_invariants)
     }
 
-    /// A scene that is right.
+    /// The scene of a text that is right.
     pub fn scene(&self, body: &str) -> Scene {
         self.read(body, &mut Assets::default()).unwrap()
     }
 
-    /// The error of a scene that is not, without the folder's name.
+    /// The error of a text that is wrong, without the folder's name.
     pub fn error(&self, body: &str) -> String {
         let error = self.read(body, &mut Assets::default()).unwrap_err();
         self.shown(&error.to_string())
@@ -99,7 +99,7 @@ impl Folder {
     }
 }
 
-/// The meshes of a scene, where they stand, and where their own materials begin.
+/// Meshes of a scene, with their transforms and the indices of the first of their own materials.
 pub fn meshes(scene: &Scene) -> Vec<(&Arc<Mesh>, DAffine3, Option<usize>)> {
     let meshes = scene.shapes.iter().filter_map(|shape| match &shape.geometry {
         Geometry::Mesh { mesh, world_from_mesh, first_material } => Some((mesh, *world_from_mesh, *first_material)),

@@ -1,4 +1,4 @@
-//! glTF: what a model brings beside its triangles.
+//! glTF models bring materials, lights, cameras and animations beside their triangles.
 
 use glam::DVec3;
 use raggio_scene::{AssetOptions, Assets, Environment, LightKind, Scene, Vec3};
@@ -78,7 +78,7 @@ fn its_lights_are_placed_and_scaled_with_it() {
     let [point, sun] = &scene.lights[..] else { panic!("two lights") };
     assert_eq!((point.kind, sun.kind), (LightKind::Point, LightKind::Directional));
     assert!(point.position.abs_diff_eq(DVec3::new(-40.0, 0.0, 1.0), 1e-9), "{}", point.position);
-    // Ten times as far from everything, it has to be a hundred times as strong.
+    // A light ten times as far from everything has to be a hundred times as strong.
     assert!(Vec3::from(point.intensity).abs_diff_eq(Vec3::new(700.0, 350.0, 0.0), 1e-3), "{:?}", point.intensity);
     assert_eq!(sun.intensity, [3.0; 3]);
     assert!(sun.direction.abs_diff_eq(DVec3::NEG_Z, 1e-12), "{}", sun.direction);

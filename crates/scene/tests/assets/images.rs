@@ -53,7 +53,7 @@ fn how_a_texture_lies() {
     assert_eq!(normal_map(", wrap = \"clamp_to_edge\"").wrap, [Wrap::ClampToEdge; 2]);
 }
 
-/// Where the transform takes a point.
+/// Point to which the transform takes a point.
 fn mapped(keys: &str, [u, v]: [f32; 2]) -> [f32; 2] {
     normal_map(keys).transform.map(|[a, b, c]| a * u + b * v + c)
 }
@@ -62,7 +62,7 @@ fn mapped(keys: &str, [u, v]: [f32; 2]) -> [f32; 2] {
 fn texture_coordinates_are_scaled_then_turned_then_moved() {
     assert_eq!(mapped(", offset = [0.5, 0.25]", [1.0, 1.0]), [1.5, 1.25]);
     assert_eq!(mapped(", scale = [2, -1]", [1.0, 1.0]), [2.0, -1.0]);
-    // The lower left quarter of the image, v being downwards: KHR_texture_transform's own example.
+    // The expected part is the lower left quarter of the image, v being downwards: KHR_texture_transform's own example.
     let keys = ", offset = [0, 1], rotation_degrees = 90, scale = [0.5, 0.5]";
     for (uv, expected) in [([0.0, 0.0], [0.0, 1.0]), ([1.0, 0.0], [0.0, 0.5]), ([0.0, 1.0], [0.5, 1.0])] {
         let found = mapped(keys, uv);

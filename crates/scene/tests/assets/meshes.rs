@@ -1,4 +1,4 @@
-//! Meshes: where they stand, what they are made of.
+//! Placement, parts and materials of meshes.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use crate::assets::files::{Folder, meshes};
 
 const LIGHT: &str = "[environment]\ncolor = [1, 1, 1]\n[materials.red]\n";
 
-/// Where the corner (1, 2, 3) of a mesh comes to lie.
+/// Place of a mesh's corner (1, 2, 3) in the world.
 fn placed(keys: &str) -> DVec3 {
     let folder = Folder::new();
     let scene =

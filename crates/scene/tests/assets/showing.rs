@@ -43,14 +43,14 @@ fn extent(scene: &Scene) -> [f64; 2] {
     extent
 }
 
-/// All of the model is in the picture, and fills most of it in one direction.
+/// Checks that all of the model is in the picture, and fills most of it in one direction.
 fn assert_framed(scene: &Scene) {
     let [across, upwards] = extent(scene);
     assert!(across <= 1.0 && upwards <= 1.0, "{across} {upwards}");
     assert!(across.max(upwards) > 0.75, "{across} {upwards}");
 }
 
-/// The ground is below the model, by next to nothing.
+/// Checks that the ground is below the model, by next to nothing.
 fn assert_grounded(scene: &Scene, lowest: f64, largest: f64) {
     let planes = scene.shapes.iter().filter_map(|shape| match shape.geometry {
         Geometry::Plane { point, normal } => Some((point, normal)),
@@ -123,7 +123,7 @@ fn a_model_keeps_its_materials_and_gets_one_if_it_has_none() {
 #[test]
 fn what_printers_build_stands_upright() {
     let folder = Folder::new();
-    // From the origin along x and z, where z is upwards.
+    // A triangle from the origin along x and z, where z is upwards.
     let corner = |x: f32, y: f32, z: f32| [x, y, z].map(f32::to_le_bytes).concat();
     let corners = [corner(0.0, 0.0, 0.0), corner(1.0, 0.0, 0.0), corner(0.0, 0.0, 3.0)].concat();
     folder.write("it.stl", [&[0; 80][..], &1u32.to_le_bytes(), &[0; 12], &corners, &[0; 2]].concat());

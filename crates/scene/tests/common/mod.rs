@@ -1,4 +1,4 @@
-//! What several tests need.
+//! Helpers that several tests need.
 
 use std::path::PathBuf;
 
@@ -84,7 +84,7 @@ pub fn reference_scene(name: &str) -> PathBuf {
     PathBuf::from(folder).join(format!("{name}.toml"))
 }
 
-/// What every scene that was read without an error promises to those who render it.
+/// Checks the promises that every scene read without an error makes to those who render it.
 pub fn check_invariants(scene: &Scene) {
     check_settings(scene);
     check_camera(scene);

@@ -1,4 +1,4 @@
-//! What every mistake in a scene file is answered with, word for word.
+//! Every mistake in a scene file with the message that answers it, word for word.
 
 mod camera;
 mod environment;

@@ -1,4 +1,4 @@
-//! Where numbers lie: buffers, views, accessors.
+//! Places of numbers: buffers, views, accessors.
 
 use serde::Deserialize;
 
@@ -46,7 +46,7 @@ pub(in crate::gltf) struct BufferView {
 #[derive(Deserialize, Default)]
 #[serde(default)]
 pub(in crate::gltf) struct ViewExtensions {
-    /// The two extensions say the same in the same words.
+    /// Compression by either of two extensions, which give one meaning to equal names.
     #[serde(rename = "KHR_meshopt_compression", alias = "EXT_meshopt_compression")]
     pub meshopt: Option<Box<Meshopt>>,
 }
@@ -153,7 +153,7 @@ impl TryFrom<u32> for Component {
 }
 
 impl Component {
-    /// In bytes.
+    /// Size in bytes.
     pub(in crate::gltf) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -166,7 +166,7 @@ impl Component {
         matches!(self, Self::U8 | Self::U16 | Self::U32)
     }
 
-    /// What a normalized integer is divided by.
+    /// Number by which a normalized integer is divided.
     pub(in crate::gltf) fn largest(self) -> f32 {
         match self {
             Self::I8 => f32::from(i8::MAX),
@@ -178,7 +178,7 @@ impl Component {
         }
     }
 
-    /// `bytes` hold at least one number of this type, little-endian.
+    /// Value of the first number of this type in `bytes`, little-endian, which hold at least one.
     pub(in crate::gltf) fn float(self, bytes: &[u8]) -> f32 {
         match self {
             Self::I8 => f32::from(bytes[0] as i8),
@@ -188,7 +188,7 @@ impl Component {
         }
     }
 
-    /// `bytes` hold at least one number of this type, which is unsigned, little-endian.
+    /// Value of the first number of this unsigned type in `bytes`, little-endian, which hold at least one.
     pub(in crate::gltf) fn integer(self, bytes: &[u8]) -> u32 {
         match self.size() {
             1 => u32::from(bytes[0]),
@@ -212,7 +212,7 @@ pub(in crate::gltf) enum Kind {
 }
 
 impl Kind {
-    /// Of vectors and of each of a matrix's columns.
+    /// Number of components of a vector, or of each column of a matrix.
     fn rows(self) -> usize {
         match self {
             Self::Scalar => 1,
@@ -226,18 +226,18 @@ impl Kind {
         matches!(self, Self::Mat2 | Self::Mat3 | Self::Mat4)
     }
 
-    /// How many numbers there are.
+    /// Number of components of an element.
     pub(in crate::gltf) fn width(self) -> usize {
         if self.is_matrix() { self.rows() * self.rows() } else { self.rows() }
     }
 
-    /// In bytes, from one tightly packed element to the next; columns of matrices begin at multiples of four.
+    /// Bytes from one tightly packed element to the next; columns of matrices begin at multiples of four.
     pub(in crate::gltf) fn size(self, component: Component) -> usize {
         let column = self.rows() * component.size();
         if self.is_matrix() { self.rows() * column.next_multiple_of(4) } else { column }
     }
 
-    /// In bytes, without what pads a matrix's last column.
+    /// Bytes of an element, without those that pad a matrix's last column.
     pub(in crate::gltf) fn extent(self, component: Component) -> usize {
         let column = self.rows() * component.size();
         self.size(component) - if self.is_matrix() { column.next_multiple_of(4) - column } else { 0 }

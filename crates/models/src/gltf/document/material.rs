@@ -36,7 +36,7 @@ pub(in crate::gltf) struct Source {
 }
 
 impl Texture {
-    /// The images, best first.
+    /// Numbers of the images, best first.
     pub(in crate::gltf) fn sources(&self) -> impl Iterator<Item = usize> + '_ {
         let extensions = [&self.extensions.basisu, &self.extensions.webp].into_iter().flatten();
         extensions.filter_map(|extension| extension.source).chain(self.source)
@@ -96,7 +96,7 @@ impl TryFrom<u32> for Wrap {
     }
 }
 
-/// How a material uses a texture; `scale` is of normal textures alone.
+/// Use of a texture by a material; `scale` belongs to normal textures alone.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(in crate::gltf) struct TextureInfo {

@@ -16,7 +16,7 @@ pub(super) fn check(document: &Document) -> Result<(), Fault> {
     Ok(())
 }
 
-/// `count` elements of `size` bytes, `stride` apart from `offset` on, have to end within `available` bytes.
+/// Checks that `count` elements of `size` bytes, `stride` apart from `offset` on, end within `available` bytes.
 fn fits(path: &str, offset: usize, count: usize, stride: usize, size: usize, available: usize) -> Result<(), Fault> {
     let Some(last) = count.checked_sub(1) else { return Ok(()) };
     let end =

@@ -1,4 +1,4 @@
-//! The nodes have to be a forest.
+//! Check that the nodes form a forest.
 
 use crate::error::Fault;
 use crate::gltf::document::Node;
@@ -27,7 +27,7 @@ pub(in crate::gltf) fn roots_first(nodes: &[Node]) -> Result<Vec<(usize, Option<
     if order.len() == nodes.len() {
         return Ok(order);
     }
-    // What no root leads to has one parent each, so that it goes round in circles.
+    // Nodes that no root leads to have one parent each, so that their chain goes round in circles.
     let mut reached = vec![false; nodes.len()];
     order.iter().for_each(|(node, _)| reached[*node] = true);
     let lost = reached.iter().position(|reached| !reached).unwrap_or_default();
