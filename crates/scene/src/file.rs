@@ -23,7 +23,7 @@ pub(crate) use principled::{
 pub(crate) type Point = [Coordinate; 3];
 /// Linear red, green and blue, 0 or more.
 pub(crate) type Radiance = [Brightness; 3];
-/// Of overlapping dielectrics the higher one wins.
+/// Rank among overlapping dielectrics: the highest wins.
 pub(crate) type Priority = Whole<-2147483648, 2147483647>;
 
 /// A scene for raggio, a progressive path tracer. Lengths are in any one unit, angles in degrees,

@@ -49,8 +49,7 @@ fn linear_and_step_translation() {
 
 #[test]
 fn cubic_splines() {
-    // Each key has in-tangent, value and out-tangent; Hermite's cubic is worked out by hand at a quarter of the two
-    // seconds.
+    // Each key has in-tangent, value, out-tangent; Hermite's cubic is by hand, at a quarter of the two seconds.
     let values =
         [[9.0, 9.0, 9.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [-4.0, 0.0, 0.0], [5.0, 0.0, 0.0], [9.0, 9.0, 9.0]];
     let builder = animated("translation", "CUBICSPLINE", "VEC3", values.as_flattened());
