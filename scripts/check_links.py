@@ -22,7 +22,7 @@ OTHER_SITE = re.compile(r"[a-z][a-z0-9+.-]*:|//", re.I)
 
 
 def markdown_files() -> list[Path]:
-    """Those git tracks, and new ones it does not ignore."""
+    """Files that git tracks, and new ones that it does not ignore."""
     listing = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard", "--", "*.md"]
     names = subprocess.run(listing, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.split("\0")
     return sorted(path for name in set(names) if name and (path := ROOT / name).is_file())
@@ -83,7 +83,7 @@ def problem(source: Path, link: str) -> str | None:
         return None
     name, _, anchor = unquote(link).partition("#")
     name = name.partition("?")[0]
-    # As on GitHub, a leading slash is the repository's root.
+    # A leading slash is the repository's root, as on GitHub.
     target = ROOT / name.lstrip("/") if name.startswith("/") else source.parent / name if name else source
     target = target.resolve()
     if not target.is_relative_to(ROOT):

@@ -20,7 +20,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 RAGGIO = ROOT / "target/release/raggio"
 PICTURES = ROOT / "target/convergence"
 PLOT = ROOT / "docs/images/convergence.png"
-# Darker pixels count as if they were this bright.
+# Least brightness of a pixel; darker ones count as if they were this bright.
 DARK = 1e-2
 
 

@@ -1,11 +1,11 @@
-"""What rough surfaces lose to a single bounce: writes the tables that kernels/materials/albedo.slang reads.
+"""Energy that rough surfaces lose to a single bounce: writes the tables that kernels/materials/albedo.slang reads.
 
     python scripts/tabulate_albedos.py
 
 Needs NumPy; takes some minutes, and writes the same bytes each time. Losses are means over facets of GGX with
-heights correlated, as kernels/materials/microfacet.slang has them. Of losses the fourth roots stand in the tables and are
-interpolated linearly: far from grazing light losses grow with the fourth power of the roughness. Where that would say
-that more is lost than is, and so have light made, the nodes around are lowered.
+heights correlated, as kernels/materials/microfacet.slang has them. The tables hold the fourth roots of losses, which
+are interpolated linearly: far from grazing light losses grow with the fourth power of the roughness. Where that would
+say that more is lost than is, and so have light made, the nodes around are lowered.
 """
 
 from itertools import product
@@ -15,12 +15,12 @@ import numpy as np
 
 OUTPUT = Path(__file__).parent.parent / "crates/render/src/translation/device_scene/albedos.bin"
 
-# The nodes: as in kernels/materials/albedo.slang.
+# Nodes of the tables, equal to those in kernels/materials/albedo.slang.
 WIDTHS, COSINES, INDICES, SHEENS = 16, 32, 20, 16
 ROUGHNESS = np.linspace(np.sqrt(1e-3), 1, WIDTHS)
 CONTRAST = np.geomspace(0.003 / 2.003, 0.5, INDICES)
 FACETS = 128 ** 2
-# Part of the light, and nothing of the shift in the second place.
+# Excess that is not seen: a part of the light in each loss, none in the shift of the cosine in the second place.
 NOT_SEEN = np.array([1e-4, 0, 1e-4, 1e-4])
 
 
@@ -28,7 +28,7 @@ def index(contrast):
     return (1 + contrast) / (1 - contrast)
 
 
-# Where a cosine lies between 0 and 1, dense where light grazes.
+# Place of a cosine on an axis from 0 to 1, dense where light grazes.
 
 def steepness(alpha, n, inside):
     critical2 = 1 - n ** -2
@@ -61,7 +61,8 @@ def smith(cosine, alpha):
 
 
 def visible_normals(mu, alpha):
-    """(cosine to wo, cosine to the surface) of facets with the density of those seen from cosine mu."""
+    """Cosines of facets to wo and to the surface's normal, two arrays; the facets have the density of those seen from
+    the cosine `mu`."""
     i = np.arange(FACETS)
     u, v = (i + 0.5) / FACETS, (i * 0.6180339887498949 + 0.5) % 1
     sine = np.sqrt(max(0, 1 - mu * mu))
@@ -76,8 +77,8 @@ def visible_normals(mu, alpha):
 
 
 def single_bounce(mu, alpha, etas):
-    """Part that a mirror loses; for each eta: what a boundary reflects, what it loses, and what one loses that reflects
-    nothing but totally."""
+    """Loss of a mirror, and for each eta a row: the light that a boundary reflects, its loss, and the loss of a
+    boundary that reflects nothing but totally."""
     c, up = visible_normals(mu, alpha)
     lo = smith(mu, alpha)
     z = 2 * c * up - mu
@@ -117,7 +118,7 @@ UPWARD = np.array([1, -1, 1, 1])
 
 
 def roots(table):
-    """The fourth roots of the losses in it."""
+    """Copy of the table with the fourth roots of its losses."""
     table = table.copy()
     table[..., LOSSES] = np.maximum(0, table[..., LOSSES]) ** 0.25
     return table
@@ -129,18 +130,18 @@ def powers(table):
     return table
 
 
-# Tables: of each side, index, width and cosine what a mirror loses, by how much the cosine differs at which a smooth
-# boundary reflects as much, what a boundary loses, and what a clear one loses. Inside, the first two are not used.
+# Tables by side, index, width and cosine: the loss of a mirror, the shift to the cosine at which a smooth boundary
+# reflects as much, the loss of a boundary, and that of a clear one. Inside, the first two are not used.
 
 def shift(reflected, mirror_loss, mu, n):
-    """Light reflected -> the cosine at which a smooth boundary reflects that part of what a mirror does, less `mu`."""
+    """Shift from `mu` to the cosine at which a smooth boundary reflects `reflected` as a part of a mirror's light."""
     cosines = np.linspace(0, 1, 20001)
     share = np.minimum(1, reflected / np.maximum(1e-9, 1 - mirror_loss))
     return np.interp(-share, -fresnel(cosines, 1 / n)[0], cosines) - mu
 
 
 def losses(roughness, where, contrasts, inside):
-    """At one place of the table's axes, for each of `contrasts`: four numbers, and the cosine."""
+    """Rows of the table's four numbers at one place of its axes, one row for each of `contrasts`."""
     alpha, ns = roughness ** 2, index(contrasts)
     rows = []
     for n in ns if inside else ns[:1]:
@@ -157,14 +158,14 @@ def nodes_of(inside):
 
 
 def between(table, at):
-    """Of every cell what interpolation says at `at` = (along index, width, cosine)."""
+    """Interpolated values of all cells at the place `at` within each: (along index, width, cosine), 0 to 1."""
     corners = lambda i, j, k: table[i:INDICES - 1 + i, j:WIDTHS - 1 + j, k:COSINES - 1 + k]
     weight = lambda steps: np.prod([t if step else 1 - t for step, t in zip(steps, at)])
     return sum(weight(steps) * corners(*steps) for steps in product((0, 1), repeat=3))
 
 
 def in_cells(inside, at):
-    """Of every cell what is true there."""
+    """True values of all cells at the place `at` within each."""
     index_at, width_at, cosine_at = at
     contrasts = CONTRAST[:-1] ** (1 - index_at) * CONTRAST[1:] ** index_at
     roughness = (1 - width_at) * ROUGHNESS[:-1] + width_at * ROUGHNESS[1:]
@@ -188,7 +189,7 @@ def lowered(table, inside):
 
 
 def mean(column, roughness, contrast, inside):
-    """Over the hemisphere, of a column of roots as it is interpolated: losses, and in the second place the mean of the
+    """Means over the hemisphere of a column of roots as it is interpolated: the losses, and in the second place the
     mirror's albedo x how far Fresnel's reflectance is toward that at grazing incidence."""
     mu, weight = np.polynomial.legendre.leggauss(400)
     mu, weight = ((mu + 1) / 2) ** 2, weight * (mu + 1) / 2
@@ -201,8 +202,8 @@ def mean(column, roughness, contrast, inside):
 
 
 def means(table, inside):
-    """Of all columns, the losses raised little by little where they would be less than those between the columns, and what
-    stands in the second place lowered where it would be more."""
+    """Means of all columns: losses raised little by little where they would be less than those between the columns, and
+    the values in the second place lowered where they would be more."""
     columns = roots(table)
     rows = np.array([[mean(columns[q, g], r, c, inside) for g, r in enumerate(ROUGHNESS)] for q, c in enumerate(CONTRAST)])
     weights = lambda at: [(slice(i, INDICES - 1 + i), slice(j, WIDTHS - 1 + j), abs(1 - i - at[0]) * abs(1 - j - at[1]))
@@ -238,7 +239,7 @@ def sheen():
 
 
 def packed(table, offset, scale, rounded=np.floor):
-    """Of 16 bits each."""
+    """The table as integers of 16 bits: 0 stands for `offset`, 65535 for `offset + scale`."""
     return rounded(np.clip((table - offset) / scale, 0, 1) * 65535).astype("<u2")
 
 

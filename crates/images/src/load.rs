@@ -24,7 +24,7 @@ pub fn decode(bytes: &[u8], limits: &Limits) -> Result<Bitmap, ImageError> {
 /// Reads and decodes an image file; the format is told by its bytes, not by its extension.
 ///
 /// # Errors
-/// Those of [`decode`], and one when the file cannot be read; the file is named.
+/// The errors are those of [`decode`], and one when the file cannot be read; the file is named.
 pub fn load(path: &Path, limits: &Limits) -> Result<Bitmap, ImageError> {
     let result = bytes_of(path, limits.most_bytes).and_then(|bytes| read(&bytes, limits));
     result.map_err(|problem| ImageError { file: Some(printable(&path.display().to_string())), problem })

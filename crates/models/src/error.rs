@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// What is wrong with a mesh file, and where.
+/// A problem of a mesh file, and its place.
 ///
 /// Displayed as `file:line: message`, `file: byte 84: message`, or `file: message`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -14,8 +14,7 @@ pub struct LoadOptions {
     pub time_seconds: Option<f64>,
     /// Whether libraries, buffers and images may lie outside the folder of the file.
     pub allow_outside: bool,
-    /// Most bytes of a file: larger ones are refused before they are read, and textures that take more in all are left
-    /// out.
+    /// Most bytes of a file, or of all textures: larger files are refused unread, further textures left out.
     pub most_bytes: u64,
 }
 

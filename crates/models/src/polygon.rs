@@ -101,7 +101,7 @@ fn flatten(count: usize, position: impl Fn(usize) -> [f32; 3], flat: &mut Vec<[f
     flat.extend((0..count).map(|i| [from_origin(i)[u], from_origin(i)[v]]));
 }
 
-/// Positive when the way from a over b to c turns to the left.
+/// Turn of the way from a over b to c; positive to the left.
 fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }

@@ -1,4 +1,4 @@
-//! Each format's variants give the mesh that they describe.
+//! Variants of each format give the mesh that they describe.
 
 use raggio_models::{
     LoadOptions, MeshFile, MtlMap, Place, load, parse_mtl, parse_obj, parse_ply, parse_stl, path_inside,
@@ -31,7 +31,7 @@ fn ascii_ply_with_everything() {
     assert_eq!(model.mesh.positions[2], [1.0, 1.0, 0.0]);
     assert_eq!(model.mesh.normals.as_ref().unwrap()[3], [0.0, 0.0, 1.0]);
     assert_eq!(model.mesh.uvs[0].as_ref().unwrap()[3], [0.0, 1.0]);
-    // 51 of 255 is 0.2, and that is 0.0331 in sRGB's curve; floating-point numbers are linear.
+    // The value 51 of 255 is 0.2, and that is 0.0331 in sRGB's curve; floating-point numbers are linear.
     let colors = |model: &MeshFile| model.mesh.colors.clone().unwrap();
     assert_eq!(colors(&model)[..2], [[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0]]);
     assert!(colors(&model)[3][..3].iter().all(|x| (x - 0.033_104_77).abs() < 1e-6) && colors(&model)[3][3] == 1.0);
@@ -90,7 +90,7 @@ fn binary_ply_in_both_byte_orders() {
     }
 }
 
-/// Two triangles that share an edge, one of whose vertices has the same texture coordinates in both, as MeshLab writes it.
+/// Two triangles share an edge, one of whose vertices has equal texture coordinates in both, as MeshLab writes it.
 #[test]
 fn ply_texture_coordinates_per_face() {
     let text = "ply\nformat ascii 1.0\ncomment TextureFile my file.png\nelement vertex 4\nproperty float x\nproperty float y\n\

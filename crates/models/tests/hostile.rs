@@ -1,6 +1,6 @@
-//! Whatever the bytes: no panic, and what is read fits together and is not much larger than the file.
+//! Hostile bytes never lead to a panic, and whatever is read fits together and is not much larger than the file.
 //!
-//! `RAGGIO_FUZZ_SECONDS` says how long each format is mutated; two seconds without it.
+//! `RAGGIO_FUZZ_SECONDS` says how long each format is mutated; the default is two seconds.
 
 use std::time::{Duration, Instant};
 
@@ -124,7 +124,7 @@ fn enormous_concave_polygons_end() {
     check(&model, text.len());
 }
 
-/// SplitMix64.
+/// SplitMix64, a generator of random numbers.
 struct Rng(u64);
 
 impl Rng {
@@ -136,7 +136,7 @@ impl Rng {
     }
 }
 
-/// One to eight changes: bytes replaced, words of the formats set in, parts removed or repeated.
+/// Makes one to eight changes: bytes replaced, words of the formats set in, parts removed or repeated.
 fn mutate(bytes: &mut Vec<u8>, rng: &mut Rng) {
     const WORDS: [&str; 12] = [
         "-1",
@@ -187,7 +187,7 @@ fn within_a_second(what: &str, run: impl Fn()) {
     }
 }
 
-/// Mutates for a while; each run makes the same changes for as far as it gets.
+/// Mutates files for a while; each run makes the same changes for as far as it gets.
 fn fuzz(seeds: &[Vec<u8>], read: impl Fn(&[u8])) {
     let seconds = std::env::var("RAGGIO_FUZZ_SECONDS").ok().and_then(|seconds| seconds.parse().ok()).unwrap_or(2.0);
     let (mut rng, start, mut files) = (Rng(1), Instant::now(), 0u64);
@@ -215,7 +215,7 @@ fn fuzz_obj() {
     fuzz(&seeds()[6..7], read_all);
 }
 
-/// Through the file system, so that materials are translated and textures looked for.
+/// Libraries are read through the file system, so that materials are translated and textures looked for.
 #[test]
 fn fuzz_mtl() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! What MTL says, as principled materials with textures.
+//! Principled materials and textures made from MTL.
 
 use std::path::Path;
 
@@ -30,7 +30,7 @@ fn surface(mtl: &str) -> Principled {
     model.materials.remove(0).surface
 }
 
-/// What a texture gives at a place of OBJ's coordinates, at its nearest texel.
+/// Texel of a texture at a place of OBJ's coordinates, the nearest one.
 fn at(texture: &Texture, u: f32, v: f32) -> [u8; 4] {
     let image = &texture.image;
     let [x, y] = texture.transform.map(|[a, b, c]| a * u + b * v + c);
@@ -75,7 +75,7 @@ fn glass() {
     assert_eq!((glass.specular, glass.specular_color, glass.alpha_mode), (1.0, [1.0; 3], AlphaMode::Opaque));
     let half = surface("Kd 0.2 0.2 0.2\nNi 1.5\nTf 1 1 1\nd 0.25");
     assert_eq!((half.transmission, half.alpha, half.base_color), (0.75, 1.0, [0.2; 3]));
-    // As exporters write opaque materials.
+    // Exporters write opaque materials so.
     for opaque in ["illum 4\nTf 1 1 1\nNi 1", "illum 2\nTf 1 1 1\nNi 1.5\nd 1", "illum 7\nTf 0 0 0\nNi 1.5"] {
         assert_eq!(surface(opaque).transmission, 0.0, "{opaque}");
     }
@@ -103,7 +103,7 @@ fn textures_lie_from_the_bottom_left() {
     );
     let emissive = surface.emissive_texture.as_ref().unwrap();
     assert_eq!((surface.emissive, emissive.wrap), ([2.0; 3], [Wrap::ClampToEdge; 2]));
-    // Twice 0.05 and a half is 0.6, right; 0.1 and a half is 0.6, above.
+    // The coordinates become (0.6, 0.6), on the right and above: twice 0.05 and a half, and 0.1 and a half.
     assert_eq!(at(emissive, 0.05, 0.1), GREEN);
     assert!(std::sync::Arc::ptr_eq(&color.image, &emissive.image));
     assert_eq!((surface.normal_scale, surface.normal_texture.is_some()), (0.5, true));
@@ -119,7 +119,7 @@ fn coverage_joins_the_colour() {
     let texture = surface.base_color_texture.as_ref().unwrap();
     assert_eq!((texture.image.width, texture.image.height, surface.alpha_mode), (2, 2, AlphaMode::Blend));
     assert_eq!((at(texture, 0.1, 0.9), at(texture, 0.9, 0.1)), ([255, 0, 0, 7], [0, 255, 0, 200]));
-    // Where the texture has alpha, that is the coverage; without a colour there is white.
+    // The coverage is the texture's alpha where it has one; without a colour there is white.
     let folder = folder_with("Kd 1 1 1\nmap_d d.png");
     png(&folder.path().join("d.png"), (1, 1), &[[9, 9, 9, 50]]);
     let surface = &model(folder.path()).materials[0].surface;
@@ -164,7 +164,7 @@ fn what_is_not_used_is_a_warning() {
     assert!(warnings[1].starts_with("the texture `../out.png` is not used: it cannot be read"), "{warnings:?}");
 }
 
-/// Two small files that would make a large one.
+/// Two small files that would make a large texture together are left out.
 #[test]
 fn textures_that_get_large_together_are_left_out() {
     let folder = folder_with("map_Kd wide.png\nmap_d high.png");
@@ -176,7 +176,7 @@ fn textures_that_get_large_together_are_left_out() {
     assert_eq!(model.materials[0].surface.base_color_texture.as_ref().unwrap().image.height, 1);
 }
 
-/// What a PLY names in a comment is read as MTL's textures are.
+/// The texture that a PLY's comment names is read as MTL's are.
 #[test]
 fn the_texture_of_a_ply() {
     let folder = tempfile::tempdir().unwrap();

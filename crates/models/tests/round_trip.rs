@@ -1,4 +1,4 @@
-//! What the tests write comes back bit for bit.
+//! Files that the tests write come back bit for bit.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -6,7 +6,7 @@ use raggio_models::{Mesh, parse_obj, parse_ply, parse_stl};
 
 type Triangles = Vec<[[f32; 3]; 3]>;
 
-/// Triangles without area are dropped, so each gets one: a corner and two steps along different axes.
+/// Triangles, each a corner and two steps along different axes, because those without area are dropped.
 fn triangles() -> impl Strategy<Value = Triangles> {
     let triangle = (prop::array::uniform3(-1e6f32..1e6), 1f32..10.0, 1f32..10.0);
     vec(triangle.prop_map(|([x, y, z], u, v)| [[x, y, z], [x + u, y, z], [x, y + v, z]]), 1..20)

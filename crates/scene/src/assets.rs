@@ -51,8 +51,7 @@ impl Assets {
         self.options
     }
 
-    /// Files that the last scene was made of, by their canonical paths and in no order; not those that models name in
-    /// turn.
+    /// Canonical paths of the files that the last scene was made of, in no order; not of those that models name.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.models.files().chain(self.images.files())
     }

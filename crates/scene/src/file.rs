@@ -23,7 +23,7 @@ pub(crate) use principled::{
 pub(crate) type Point = [Coordinate; 3];
 /// Linear red, green and blue, 0 or more.
 pub(crate) type Radiance = [Brightness; 3];
-/// Of overlapping dielectrics the higher one wins.
+/// Rank among overlapping dielectrics: the highest wins.
 pub(crate) type Priority = Whole<-2147483648, 2147483647>;
 
 /// A scene for raggio, a progressive path tracer. Lengths are in any one unit, angles in degrees,
@@ -222,9 +222,9 @@ pub(crate) struct ShapeFile {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Sphere")]
 pub(crate) struct SphereFile {
-    /// Its centre.
+    /// Centre of the sphere.
     pub center: Point,
-    /// Greater than 0.
+    /// Radius of the sphere, greater than 0.
     pub radius: Positive,
 }
 
@@ -233,9 +233,9 @@ pub(crate) struct SphereFile {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Plane")]
 pub(crate) struct PlaneFile {
-    /// Any point of it.
+    /// Any point of the plane.
     pub point: Point,
-    /// At a right angle to it; of any length but 0.
+    /// Normal of the plane, of any length but 0.
     pub normal: Point,
 }
 
@@ -244,11 +244,11 @@ pub(crate) struct PlaneFile {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Rectangle")]
 pub(crate) struct RectangleFile {
-    /// One of its corners.
+    /// One corner of the rectangle.
     pub corner: Point,
-    /// From that corner along one side.
+    /// Edge from that corner along one side.
     pub edge_u: Point,
-    /// From that corner along the other side, at a right angle to `edge_u`.
+    /// Edge from that corner along the other side, at a right angle to `edge_u`.
     pub edge_v: Point,
 }
 
@@ -257,9 +257,9 @@ pub(crate) struct RectangleFile {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Box")]
 pub(crate) struct BoxFile {
-    /// Its centre, about which it turns.
+    /// Centre of the box, about which it turns.
     pub center: Point,
-    /// Lengths of its sides along x, y and z, before it is turned.
+    /// Lengths of the box's sides along x, y and z, before it is turned.
     pub size: [Positive; 3],
     /// Turns about the fixed x axis first, then y, then z.
     #[serde(default = "origin")]
@@ -273,7 +273,7 @@ pub(crate) struct BoxFile {
 pub(crate) struct MeshFile {
     /// Path of a .gltf, .glb, .ply, .obj or .stl file, relative to the scene file.
     pub file: String,
-    /// Moves it, last.
+    /// Translation of the model, applied last.
     #[serde(default = "origin")]
     pub translation: Point,
     /// Turns it about the fixed x axis first, then y, then z.

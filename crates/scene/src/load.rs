@@ -25,13 +25,12 @@ impl Scene {
     /// Reads and checks a `.toml` scene file, or shows a model.
     ///
     /// # Errors
-    /// Those of [`Scene::load_with`].
+    /// The errors are those of [`Scene::load_with`].
     pub fn load(path: &Path) -> Result<Self, SceneError> {
         Self::load_with(path, &mut Assets::default())
     }
 
-    /// Reads and checks a `.toml` scene file, or shows a model; afterwards `assets` has the files that the scene is
-    /// made of.
+    /// Reads and checks a `.toml` scene file, or shows a model; afterwards `assets` has the files that it needs.
     ///
     /// # Errors
     /// When the file, or one that it names, cannot be read, is too large, or is not valid.

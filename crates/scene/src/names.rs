@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-/// Most characters of a name; longer ones are cut in messages and not compared, which also bounds the time of
-/// comparing.
+/// Most characters of a name; longer ones are cut in messages and not compared, which would take long.
 const LONGEST: usize = 60;
 
 /// Least likeness of two names, from 0 to 1, for one to be suggested in place of the other.

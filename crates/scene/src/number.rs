@@ -124,7 +124,7 @@ macro_rules! numbers {
 }
 
 numbers! {
-    /// Of either sign.
+    /// A number of either sign.
     Coordinate, finite, { "minimum": -1e15, "maximum": 1e15 };
     /// A length.
     Positive, positive, { "minimum": 1e-15, "maximum": 1e15 };
@@ -132,15 +132,15 @@ numbers! {
     Brightness, brightness, { "minimum": 0, "maximum": 1e9 };
     /// A length that may be 0.
     NonNegative, non_negative, { "minimum": 0, "maximum": 1e15 };
-    /// From 0 to 1.
+    /// A fraction from 0 to 1.
     Fraction, fraction, { "minimum": 0, "maximum": 1 };
     /// One component of a surface's colour.
     Reflectance, reflectance, { "minimum": 0, "maximum": 1 };
-    /// Relative to vacuum.
+    /// Refractive index relative to vacuum.
     RefractiveIndex, refractive_index, { "minimum": 0.1, "maximum": 10 };
     /// Refractive index of a principled material, relative to vacuum.
     Ior, ior, { "minimum": 1, "maximum": 10 };
-    /// In degrees.
+    /// Angle of view in degrees.
     FieldOfView, field_of_view, { "minimum": 0.001, "maximum": 179.999 };
 }
 

@@ -163,7 +163,7 @@ impl Environment {
     }
 }
 
-/// How a surface reflects, transmits and emits light.
+/// Reflection, transmission and emission of light at a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Name of the material, the key under `[materials]`.
@@ -182,8 +182,7 @@ pub struct Material {
     pub reflection: Reflection,
     /// Rank among overlapping dielectrics: the highest wins.
     pub priority: i32,
-    /// Principled material. If there is one it alone says how the surface behaves, and everything above but the name is
-    /// without meaning.
+    /// Principled material. If there is one, everything above but the name is without meaning.
     pub principled: Option<Arc<Principled>>,
     /// Whether the material came with a model and is not in the scene file.
     pub imported: bool,
@@ -326,8 +325,7 @@ pub enum Geometry {
     },
 }
 
-/// Rotation of `rotation_degrees`: turns about the world's axes, x first, then y, then z. Its columns are the turned
-/// axes.
+/// Rotation by `rotation_degrees` about the world's axes, x first, then y, then z. Its columns are the turned axes.
 pub fn rotation(degrees: Vec3) -> DMat3 {
     let radians = degrees.as_dvec3() * (std::f64::consts::PI / 180.0);
     DMat3::from_euler(EulerRot::ZYX, radians.z, radians.y, radians.x)

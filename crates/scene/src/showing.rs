@@ -102,8 +102,7 @@ fn camera(text: &mut String, model: &Imported, bounds: Bounds, aspect: f64) {
     let _ = writeln!(text, "vertical_fov_degrees = {}", number(fov));
 }
 
-/// View of a camera of the file; the point that it looks at is in the middle of its picture, as far away as the model's
-/// middle.
+/// View of a camera of the file; it looks at the middle of its picture, as far away as the model's middle.
 fn of_file(camera: &Camera, bounds: Bounds) -> (DVec3, DVec3, DVec3, f64) {
     let center = 0.5 * (bounds.min + bounds.max);
     let depth = (center - camera.position).dot(camera.forward);
@@ -130,8 +129,7 @@ fn distance(bounds: Bounds, aspect: f64) -> f64 {
     far.max(1e-4 * bounds.reach()).max(1e-12)
 }
 
-/// Writes ground and sky. The sky is bright above, where it makes shapes stand out, and dim where lights of the file
-/// shine.
+/// Writes ground and sky. The sky is bright above, which makes shapes stand out, and dim if the file has lights.
 fn surroundings(text: &mut String, model: &Imported, bounds: Bounds) {
     let sky = if model.lights.is_empty() { 1.0 } else { 0.08 };
     let [horizon, zenith] = [DVec3::new(0.36, 0.36, 0.38), DVec3::new(1.25, 1.3, 1.42)].map(|color| list(sky * color));

@@ -118,8 +118,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Message of a syntax error: the parser's words, except for the commonest mistakes; `text` is where the parser
-/// stumbled.
+/// Message of a syntax error, the parser's but for the commonest mistakes; `text` is where the parser stumbled.
 fn syntax_message(message: &str, text: &str) -> String {
     let quoted = names::quoted(text);
     if message == "duplicate key" {

@@ -32,8 +32,7 @@ pub fn png(
     file
 }
 
-/// A KTX2 file with one level; `format` is Vulkan's number, `basis` the colour model and block size of one that has
-/// none.
+/// A KTX2 file with one level; `format` is Vulkan's number, `model` the colour model and block size where it is 0.
 pub fn ktx2(
     format: u32,
     scheme: u32,

@@ -21,8 +21,7 @@ pub(super) struct Asset<'a> {
 }
 
 impl<'a> Asset<'a> {
-    /// Checks the document and loads its buffers; the memory that it may ask for is in proportion to `file_bytes` and
-    /// theirs.
+    /// Checks the document and loads its buffers; memory is granted in proportion to `file_bytes` and theirs.
     pub(super) fn load(
         container: Container<'a>,
         file_bytes: usize,

@@ -10,8 +10,7 @@ use crate::text::escaped;
 /// Most warnings that are kept; further ones are only counted.
 const MOST_WARNINGS: usize = 100;
 
-/// A fault at a `path` such as `materials[3].normalTexture.index`; `message` says what is wrong and what would be
-/// right.
+/// A fault at `path`, as in `materials[3].normalTexture.index`; `message` says what is wrong and would be right.
 pub(super) fn at(path: impl Display, message: impl Display) -> Fault {
     Fault::whole(escaped(&format!("{path}: {message}")))
 }

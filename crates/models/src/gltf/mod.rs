@@ -88,7 +88,7 @@ pub fn load_gltf(path: &Path, options: &GltfOptions) -> Result<Model, ModelError
 /// Reads the bytes of a .gltf or .glb; `name` stands for the file in messages.
 ///
 /// # Errors
-/// Those of [`load_gltf`].
+/// The errors are those of [`load_gltf`].
 pub fn parse_gltf(
     bytes: &[u8],
     name: &str,

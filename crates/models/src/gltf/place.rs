@@ -21,8 +21,7 @@ pub(super) struct Builder<'a> {
     pose: &'a Pose,
     worlds: &'a [DAffine3],
     model: Model,
-    /// Indices of the model's meshes by glTF's and the bits of the morph targets' weights; `None` where nothing is
-    /// left.
+    /// Indices of the model's meshes by glTF's and the bits of the morph weights; `None` where nothing is left.
     shared: HashMap<(usize, Vec<u32>), Option<usize>>,
     dropped: Dropped,
     /// Number of instances that cannot be seen.

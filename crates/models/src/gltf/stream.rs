@@ -34,8 +34,7 @@ impl<'a> Stream<'a> {
         primitive.extensions.draco.is_none().then_some((&primitive.attributes, &primitive.targets))
     }
 
-    /// Checks that all attributes have as many elements as there are vertices; compressed geometry says itself how
-    /// many.
+    /// Checks that attributes have an element for each vertex; compressed geometry has its own number of vertices.
     fn check_counts(&self, asset: &Asset<'_>) -> Result<(), Fault> {
         let vertices = self.source_vertices(asset);
         let attributes = self.attributes.iter().filter(|(name, _)| self.compressed(name).is_none());

@@ -72,8 +72,7 @@ fn set_color(surface: &mut Principled, mtl: &MtlMaterial, textures: &mut Texture
     };
 }
 
-/// Sets the reflection: GGX's width for an exponent is `walter2007microfacet`'s, and roughness the square root of a
-/// width.
+/// Sets the reflection: GGX's width for an exponent is `walter2007microfacet`'s, roughness is its square root.
 fn set_reflection(surface: &mut Principled, mtl: &MtlMaterial, textures: &mut Textures<'_>) {
     let is_physical = mtl.roughness.is_some() || mtl.metallic.is_some() || mtl.roughness_map.is_some();
     let is_diffuse = mtl.illumination.is_some_and(|model| model < 2.0) && !is_physical;

@@ -57,7 +57,7 @@ struct Reader {
     libraries: Vec<String>,
     libraries_seen: HashSet<String>,
     curves: usize,
-    /// And points.
+    /// Number of lines and points.
     lines: usize,
 }
 
@@ -210,7 +210,7 @@ fn gather<T: Copy>(corners: &[[u32; 3]], field: usize, from: &[T], missing: T) -
     corners.iter().map(|corner| from.get(corner[field] as usize).copied().unwrap_or(missing)).collect()
 }
 
-/// At least `least` and at most N numbers, and how many there are; the others are zero.
+/// Numbers of a text, at least `least` and at most N, and their count; the others are zero.
 fn numbers<const N: usize>(text: &[u8], least: usize) -> Result<([f32; N], usize), String> {
     let (mut values, mut count) = ([0.0; N], 0);
     for (value, word) in values.iter_mut().zip(words(text)) {

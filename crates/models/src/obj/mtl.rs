@@ -104,7 +104,7 @@ fn set(material: &mut MtlMaterial, key: &[u8], rest: &[u8]) -> Result<(), String
         b"tf" => material.transmission = color(rest)?,
         b"ns" => material.shininess = Some(value(rest)?),
         b"d" => material.opacity = Some(value(rest.strip_prefix(b"-halo").unwrap_or(rest))?),
-        // Where both are given, `d` counts: the other has been written with either meaning.
+        // The value of `d` counts where both are given: `Tr` has been written with either meaning.
         b"tr" => material.opacity = material.opacity.or(Some(1.0 - value(rest)?)),
         b"ni" => material.refractive_index = Some(value(rest)?),
         b"illum" => material.illumination = Some(value(rest)?),
@@ -122,7 +122,7 @@ fn set(material: &mut MtlMaterial, key: &[u8], rest: &[u8]) -> Result<(), String
         b"map_pm" => material.metallic_map = map(rest),
         b"norm" | b"map_kn" => material.normal_map = map(rest),
         b"bump" | b"map_bump" => material.bump_map = map(rest),
-        // What is reflected from all around is for the light to say; the others are switches for renderers of old.
+        // Ambient reflection is for the light to say; the others are switches for renderers of old.
         b"ka" | b"map_ka" | b"sharpness" | b"map_aat" => {}
         _ => unread(material, key, rest),
     }

@@ -1,10 +1,10 @@
-//! Every component type, strides, sparse elements.
+//! Accessors of every component type, with strides and with sparse elements.
 
 use serde_json::json;
 
 use crate::gltf::builder::{Builder, CORNERS, F32, I8, I16, U8, U16, U32};
 
-/// The texture coordinates of the triangle's corners, from these bytes.
+/// Texture coordinates of the triangle's corners, from these bytes.
 fn uvs(component: u32, normalized: bool, bytes: &[u8]) -> Vec<[f32; 2]> {
     let mut builder = Builder::triangle();
     let accessor = builder.accessor("VEC2", component, 3, bytes);
@@ -94,7 +94,7 @@ fn sparse_elements_replace_zeros() {
     assert_eq!(builder.mesh().uvs[0].as_deref(), Some(&[[0.0, 0.0], [0.5, 0.25], [0.0, 0.0]][..]));
 }
 
-/// Of many vertices only those in use are read; sparse ones have to be found among them.
+/// Sparse elements have to be found among the vertices in use, the only ones of many that are read.
 #[test]
 fn sparse_elements_of_vertices_in_use() {
     let mut builder = Builder::empty();

@@ -19,7 +19,7 @@ pub const I16: u32 = 5122;
 pub const U32: u32 = 5125;
 pub const F32: u32 = 5126;
 
-/// Of a right triangle in the plane z = 0.
+/// Corners of a right triangle in the plane z = 0.
 pub const CORNERS: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
 pub fn no_files(name: &str, _: u64) -> Result<Vec<u8>, String> {
@@ -27,12 +27,12 @@ pub fn no_files(name: &str, _: u64) -> Result<Vec<u8>, String> {
 }
 
 impl Builder {
-    /// Without nodes.
+    /// A builder of a file without nodes.
     pub fn empty() -> Self {
         Self { json: json!({ "asset": { "version": "2.0" } }), binary: Vec::new() }
     }
 
-    /// One node with one mesh of one triangle.
+    /// A builder of a file with one node, which has one mesh of one triangle.
     pub fn triangle() -> Self {
         let mut builder = Self::empty();
         let positions = builder.floats("VEC3", CORNERS.as_flattened());
@@ -41,7 +41,7 @@ impl Builder {
         builder
     }
 
-    /// One triangle of a material.
+    /// A builder of a file with one triangle that has this material.
     pub fn with_material(material: Value) -> Self {
         let mut builder = Self::triangle();
         builder.push("materials", material);
@@ -98,7 +98,7 @@ impl Builder {
         self
     }
 
-    /// With the buffer as a data URI.
+    /// The file as .gltf, with the buffer as a data URI.
     pub fn gltf(&self) -> Vec<u8> {
         let mut json = self.json.clone();
         if json["buffers"].is_null() && !self.binary.is_empty() {
@@ -108,7 +108,7 @@ impl Builder {
         json.to_string().into_bytes()
     }
 
-    /// With the buffer as GLB's own.
+    /// The file as .glb, with the buffer as GLB's own.
     pub fn glb(&self) -> Vec<u8> {
         let mut json = self.json.clone();
         if json["buffers"].is_null() {
@@ -137,14 +137,14 @@ impl Builder {
         self.try_load(&GltfOptions { time_seconds: Some(seconds), ..GltfOptions::default() }).unwrap()
     }
 
-    /// The only mesh.
+    /// Mesh of the model, which has only one.
     pub fn mesh(&self) -> Mesh {
         let model = self.load();
         assert_eq!(model.meshes.len(), 1);
         (*model.meshes[0]).clone()
     }
 
-    /// The only warning.
+    /// Warning of the model, which has only one.
     pub fn warning(&self) -> String {
         let warnings = self.load().warnings;
         assert_eq!(warnings.len(), 1, "{warnings:?}");

@@ -26,7 +26,7 @@ fn quantized_positions_and_normals() {
     assert_eq!(mesh.normals.as_deref(), Some(&[[0.0, 0.0, 1.0]; 3][..]));
 }
 
-/// Adds a view of compressed data; the uncompressed is nowhere.
+/// Adds a view of compressed data, whose uncompressed bytes are nowhere.
 fn compressed(builder: &mut Builder, extension: &str, bytes: &[u8], count: usize, stride: usize, rest: Value) -> usize {
     let source = builder.view(bytes);
     let source = builder.json["bufferViews"][source].clone();
@@ -42,7 +42,7 @@ fn compressed(builder: &mut Builder, extension: &str, bytes: &[u8], count: usize
     builder.push("bufferViews", view)
 }
 
-/// With a placeholder for the uncompressed data.
+/// Finishes the buffers, with a placeholder for the uncompressed data.
 fn finish(builder: &mut Builder) {
     let uri = format!("data:;base64,{}", data_encoding::BASE64.encode(&builder.binary));
     builder.json["buffers"] = json!([
@@ -169,7 +169,7 @@ fn meshopt_quaternions() {
     finish(&mut builder);
     let model = builder.load();
     let turned = model.instances[0].model_from_mesh.transform_vector3(glam::DVec3::X);
-    // The double of the angle whose sine is 0.6.
+    // The angle is the double of that whose sine is 0.6.
     assert!((turned - glam::DVec3::new(0.28, 0.96, 0.0)).length() < 1e-4, "{turned}");
     let turned = model.instances[1].model_from_mesh.transform_vector3(glam::DVec3::Y);
     assert!((turned - glam::DVec3::NEG_Y).length() < 1e-4, "{turned}");

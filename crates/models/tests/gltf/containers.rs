@@ -1,4 +1,4 @@
-//! Where bytes come from: .gltf, .glb, files, data URIs.
+//! Sources of bytes: .gltf, .glb, files, data URIs.
 
 use std::fs;
 

@@ -1,4 +1,4 @@
-//! Whatever the bytes: no panic, and what is read fits together.
+//! Hostile bytes never lead to a panic, and whatever is read fits together.
 
 use std::time::{Duration, Instant};
 
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use crate::gltf::builder::{Builder, U8, no_files, png};
 use crate::gltf::compression::{draco_grid, meshopt_grid};
 
-/// Small, so that damage is found without much memory.
+/// Most bytes of a file, few so that damage is found without much memory.
 const MOST_BYTES: u64 = 64 << 20;
 
 /// A file with nearly everything in it.
@@ -73,7 +73,7 @@ fn seeds() -> Vec<Vec<u8>> {
     builders().iter().map(Builder::glb).chain([rich().gltf()]).collect()
 }
 
-/// With the first buffer as GLB's own.
+/// The file with its first buffer as GLB's own.
 fn with_binary(mut builder: Builder) -> Builder {
     builder.json["buffers"][0].as_object_mut().unwrap().remove("uri");
     builder
@@ -133,10 +133,10 @@ fn truncated_at_every_length() {
     }
 }
 
-/// A place, what to put there, and how.
+/// A place, a value for it, and a kind of change.
 type Change = (prop::sample::Index, u8, u8);
 
-/// Bytes are changed, inserted and taken away.
+/// Changes, inserts and takes away bytes.
 fn damage(bytes: &mut Vec<u8>, changes: &[Change]) {
     for (index, byte, kind) in changes {
         if bytes.is_empty() {
@@ -152,7 +152,7 @@ fn damage(bytes: &mut Vec<u8>, changes: &[Change]) {
     }
 }
 
-/// The document stays JSON, but numbers in it change, and bytes of the buffer: damage of this kind goes deeper.
+/// Changes numbers in the document, which stays JSON, and bytes of the buffer: damage of this kind goes deeper.
 fn distort(builder: &mut Builder, changes: &[Change]) {
     for (index, byte, kind) in changes {
         if kind % 2 == 0 {
@@ -187,7 +187,7 @@ fn collect_numbers<'a>(value: &'a mut Value, numbers: &mut Vec<&'a mut Value>) {
     }
 }
 
-/// For as many seconds as RAGGIO_FUZZ_SECONDS says, or two.
+/// Mutates for as many seconds as RAGGIO_FUZZ_SECONDS says, or two.
 #[test]
 fn mutated() {
     let seconds = std::env::var("RAGGIO_FUZZ_SECONDS").ok().and_then(|seconds| seconds.parse().ok()).unwrap_or(2.0);

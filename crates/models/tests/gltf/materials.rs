@@ -26,7 +26,7 @@ fn extended(extension: &str, properties: Value) -> Principled {
     surface(json!({ "extensions": { extension: properties } }))
 }
 
-/// The number of a texture.
+/// Number of a texture.
 fn number(texture: &Option<raggio_models::Texture>) -> u8 {
     texels(texture).expect("a texture")[0][0] - 1
 }
@@ -229,7 +229,7 @@ fn texture_transforms() {
     assert_eq!(transform(json!({ "offset": [0.5, 0.25] })).transform, [[1.0, 0.0, 0.5], [0.0, 1.0, 0.25]]);
     assert_eq!(transform(json!({ "scale": [2, 3], "texCoord": 1 })).transform, [[2.0, 0.0, 0.0], [0.0, 3.0, 0.0]]);
     assert_eq!(transform(json!({ "texCoord": 1 })).uv_set, 1);
-    // The extension's own example: the lower left quarter of the image.
+    // The expected part is the lower left quarter of the image, the extension's own example.
     let quarter = json!({ "offset": [0, 1], "rotation": std::f32::consts::FRAC_PI_2, "scale": [0.5, 0.5] });
     let rows = transform(quarter).transform;
     let expected = [[0.0, 0.5, 0.0], [-0.5, 0.0, 1.0]];

@@ -88,7 +88,7 @@ fn attributes_that_are_not_used_are_told() {
     assert_eq!(builder.warning(), "meshes[0].primitives[0]: the attribute `TEXCOORD_2` is not used");
 }
 
-/// Two primitives over the same vertices, and a third that has normals and others' vertices.
+/// A model of two primitives that share their vertices, and a third that has normals and vertices of its own.
 fn of_parts() -> Model {
     let mut builder = of_mode(4, Some(&[0, 1, 2]));
     let second = builder.indices(&[2, 3, 4]);

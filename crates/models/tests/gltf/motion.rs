@@ -20,7 +20,7 @@ fn animate(builder: &mut Builder, path: &str, interpolation: &str, kind: &str, v
     builder.push("animations", json!({ "name": "clip", "channels": [channel], "samplers": [sampler] }));
 }
 
-/// Where the animated node takes a point.
+/// Point to which the animated node takes a point.
 fn moved(builder: &Builder, seconds: f64, point: DVec3) -> [f64; 3] {
     builder.load_at(seconds).instances[0].model_from_mesh.transform_point3(point).to_array()
 }
@@ -49,7 +49,7 @@ fn linear_and_step_translation() {
 
 #[test]
 fn cubic_splines() {
-    // In-tangent, value, out-tangent of each key; Hermite's cubic by hand at a quarter of the two seconds.
+    // Each key has in-tangent, value, out-tangent; Hermite's cubic is by hand, at a quarter of the two seconds.
     let values =
         [[9.0, 9.0, 9.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [-4.0, 0.0, 0.0], [5.0, 0.0, 0.0], [9.0, 9.0, 9.0]];
     let builder = animated("translation", "CUBICSPLINE", "VEC3", values.as_flattened());
@@ -62,7 +62,7 @@ fn cubic_splines() {
 #[test]
 fn rotations_take_the_short_way_at_even_speed() {
     let half = 0.5f32.sqrt();
-    // A quarter turn about z, with the sign that would send a careless reader the long way round.
+    // The second key is a quarter turn about z, with the sign that would send a careless reader the long way round.
     let builder = animated("rotation", "LINEAR", "VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -half, -half]);
     let (sine, cosine) = std::f64::consts::FRAC_PI_8.sin_cos();
     assert_close(&moved(&builder, 1.5, DVec3::X), &[cosine, sine, 0.0]);
@@ -211,7 +211,7 @@ fn skins_put_vertices_into_the_world() {
     builder.json["nodes"][2]["rotation"] = json!([0, 0, 1, 0]);
     let mesh = builder.mesh();
     let expected = [[0.0, 0.0, 5.0], [1.0, 0.0, 5.0], [1.5, -0.5, 5.0]].map(|p: [f32; 3]| p.map(f64::from));
-    // The third corner: a quarter of (0, 1) and three of (2, -1).
+    // The third corner is a quarter of (0, 1) and three of (2, -1).
     let found: Vec<f64> = mesh.positions.as_flattened().iter().map(|x| f64::from(*x)).collect();
     assert_close(&found, expected.as_flattened());
     builder.json["nodes"][2]["rotation"] = json!([1, 0, 0, 0]);

@@ -1,4 +1,4 @@
-//! Where things stand: hierarchy, scenes, instances, lights, cameras.
+//! Placement of things: hierarchy, scenes, instances, lights, cameras.
 
 use std::f32::consts::FRAC_PI_4;
 use std::time::Instant;
@@ -73,7 +73,7 @@ fn flattened_instances_are_left_out() {
     assert!(model.warnings[0].contains("1 instances are scaled to nothing"));
 }
 
-/// A hundred thousand generations: nothing may recurse.
+/// A hierarchy of a hundred thousand generations is read, so nothing may recurse.
 #[test]
 fn deep_hierarchies() {
     let mut builder = Builder::triangle();
@@ -120,7 +120,7 @@ fn a_million_instances_take_under_two_seconds() {
     let start = Instant::now();
     let model =
         raggio_models::parse_gltf(&bytes, "a.glb", &crate::gltf::builder::no_files, &GltfOptions::default()).unwrap();
-    // Without optimization ten times as slow, on a machine that does other things, too.
+    // The time without optimization is ten times as long, on a machine that does other things, too.
     let most_seconds = if cfg!(debug_assertions) { 20.0 } else { 2.0 };
     assert!(start.elapsed().as_secs_f64() < most_seconds, "{:?}", start.elapsed());
     assert_eq!(model.instances.len(), count);
@@ -150,7 +150,7 @@ fn lights() {
     assert_eq!(light.position, DVec3::new(1.0, 2.0, 3.0));
     let light = with_light(json!({ "type": "directional" })).load().lights[0].clone();
     assert_eq!((light.intensity, light.kind), ([1.0; 3], LightKind::Directional));
-    // -z, turned a quarter about x.
+    // The light's -z, turned a quarter about x.
     assert_close(&light.direction.to_array(), &[0.0, 1.0, 0.0]);
     let light = with_light(json!({ "type": "spot", "spot": { "innerConeAngle": 0.25 } })).load().lights[0].clone();
     assert_eq!(light.kind, LightKind::Spot { inner: 0.25, outer: FRAC_PI_4 });

@@ -1,4 +1,4 @@
-//! Invalid files: an error that names the place and says what would be right, at once, and without much memory.
+//! Invalid files give an error that names the place and says what would be right, at once, and without much memory.
 
 use std::time::{Duration, Instant};
 
@@ -23,7 +23,7 @@ fn set(json: &mut Value, pointer: &str, value: Value) {
     }
 }
 
-/// What is changed, and a part of the message.
+/// Changes, each with a part of its message.
 fn cases() -> Vec<(&'static str, Value, &'static str)> {
     let huge = json!(u64::MAX);
     let node = |node: Value| json!([node]);
@@ -192,7 +192,7 @@ fn memory_for_materials_is_refused() {
     assert!(error.message.starts_with("materials: asks for"), "{error}");
 }
 
-/// Comparing each with each would take minutes.
+/// Comparing each primitive with each would take minutes.
 #[test]
 fn very_many_primitives_take_little_time() {
     let mut builder = Builder::empty();

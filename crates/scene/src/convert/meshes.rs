@@ -30,8 +30,7 @@ impl Files<'_> {
 }
 
 impl Builder<'_, '_> {
-    /// Adds a model. `index` is the place of the shape in the file; `material`, if there is one, covers all of the
-    /// model.
+    /// Adds a model. `index` is the shape's place in the file; `material`, if there is one, covers all of the model.
     pub(super) fn add_model(
         &mut self,
         index: usize,
