@@ -14,7 +14,7 @@ COPY scripts ./scripts
 RUN bash scripts/setup.sh
 COPY . .
 # All levels of instruction sets: the image runs on other processors than it was built on. The best is chosen at run time.
-RUN CARGO_PROFILE_RELEASE_DEBUG=none CARGO_PROFILE_RELEASE_STRIP=symbols \
+RUN CARGO_PROFILE_RELEASE_STRIP=symbols \
     cargo build --release --locked --package raggio-cli --bin raggio
 
 FROM debian:bookworm-slim
