@@ -20,8 +20,9 @@ fn scene(text: &str, integrator: Integrator, seed: u32) -> Scene {
 
 /// Sampled until its error is below `noise`, in passes of `pass` samples.
 fn adaptive(device: &dyn Device, scene: &Scene, noise: f64, pass: Option<u32>) -> Film {
-    let session = device.load(&DeviceScene::new(scene).expect("the scene fits devices")).expect("the scene loads");
-    let mut renderer = Renderer::new(session, SIDE, SIDE, 1 << 16);
+    let device_scene = DeviceScene::new(scene).expect("the scene fits devices");
+    let session = device.load(&device_scene).expect("the scene loads");
+    let mut renderer = Renderer::new(session, &device_scene, 0..1 << 16);
     renderer.set_noise(noise);
     renderer.set_samples_per_pass(pass);
     while !renderer.finished() {

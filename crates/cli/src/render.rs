@@ -107,7 +107,7 @@ impl Job<'_> {
         let device = raggio_render::open(self.machine.device, self.machine.options(), warn)?;
         let session = device.load(&device_scene)?;
         let settings = &scene.render;
-        let mut renderer = Renderer::new(session, settings.width, settings.height, settings.samples);
+        let mut renderer = Renderer::new(session, &device_scene, 0..settings.samples);
         if let Some(noise) = self.stop.noise {
             renderer.set_noise(noise.into());
         }

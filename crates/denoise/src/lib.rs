@@ -29,6 +29,7 @@ pub struct Guides {
 
 /// Why there is no denoised picture.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum DenoiseError {
     /// The library is not on this machine.
     #[error(

@@ -16,6 +16,7 @@ pub struct ImageError {
 
 /// Fault of an image.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Problem {
     /// The file cannot be opened or read.
     #[error("cannot be read: {0}")]

@@ -18,6 +18,7 @@ pub const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../kernels");
 
 /// Why kernels cannot take the place of those that the program was built with.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CompileError {
     /// They are not there, `slangc` is not, or it refuses them: in its own words then, with file and line.
     #[error("{0}")]

@@ -104,8 +104,7 @@ fn measure(device: &dyn Device, level: u32) -> Result<(), Box<dyn std::error::Er
     let build_seconds = start.elapsed().as_secs_f64();
     let bytes: usize = device_scene.buffers.bytes().iter().map(|list| list.bytes.len()).sum();
 
-    let (width, height) = (scene.render.width, scene.render.height);
-    let mut renderer = Renderer::new(device.load(&device_scene)?, width, height, u32::MAX);
+    let mut renderer = Renderer::new(device.load(&device_scene)?, &device_scene, 0..u32::MAX);
     let (mut seconds, mut samples) = (0.0, 0);
     while seconds < LONG_ENOUGH {
         renderer.advance()?;

@@ -1,5 +1,6 @@
 //! Renders in portions.
 
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use raggio_kernels::Feature;
@@ -12,12 +13,14 @@ use crate::translation::device_scene::DeviceScene;
 
 /// Adds samples to the film that a session shows, a portion at a time: each as long as the device has patience for.
 ///
-/// Portions and passes never change the picture: a sample's random numbers depend on its pixel and number alone.
+/// Portions and passes never change the picture: a sample's random numbers depend on its pixel and number alone. Renderers of
+/// ranges that follow each other make films that [merge](Film::merge) to the film of the whole, bit for bit.
 pub struct Renderer {
     session: Box<dyn Session>,
     width: u32,
     height: u32,
-    target: u32,
+    /// Numbers of the samples that each pixel is to have.
+    samples: Range<u32>,
     samples_per_pass: Option<u32>,
     courses: Films<Course>,
     adaptive: Option<Adaptive>,
@@ -27,7 +30,7 @@ pub struct Renderer {
 struct Adaptive {
     noise: f64,
     blocks: Blocks,
-    /// Of pixels that take samples, in the picture.
+    /// Number of the picture's pixels that take samples.
     active: u64,
     /// Samples at which blocks are judged next.
     judgement: u32,
@@ -36,12 +39,12 @@ struct Adaptive {
 /// How far a film has come, and how fast.
 struct Course {
     /// The pass under way adds these samples to every pixel...
-    pass: std::ops::Range<u32>,
+    pass: Range<u32>,
     /// ...and has come as far as this row.
     row: u32,
-    /// Of the last portion, in samples per second; before the first a guess that is safe for any device.
+    /// Rate of the last portion, in samples per second; before the first a guess that is safe for any device.
     rate: f64,
-    /// Of the slowest portion of the pass under way, and of the pass before: rows of glass cost many times what rows of
+    /// Rate of the slowest portion of the pass under way, and of the pass before: rows of glass cost many times what rows of
     /// sky do.
     slowest: f64,
     slowest_before: f64,
@@ -55,28 +58,22 @@ const SHORTEST_MEASURE: Duration = Duration::from_millis(1);
 /// How far a render has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    /// Samples that every pixel has.
+    /// Number of samples that every pixel has.
     pub samples: u32,
     /// Samples in all pixels together.
     pub total_samples: u64,
-    /// Of the whole, 0 to 1.
+    /// Part of the whole that is done, 0 to 1.
     pub fraction: f64,
-    /// Spent sampling.
+    /// Time spent sampling.
     pub seconds: f64,
 }
 
 impl Renderer {
-    /// For `target` samples per pixel of a `width` x `height` image.
-    pub fn new(session: Box<dyn Session>, width: u32, height: u32, target: u32) -> Self {
-        Self {
-            session,
-            width,
-            height,
-            target,
-            samples_per_pass: None,
-            courses: Films::new(Course::new(height, 2e5)),
-            adaptive: None,
-        }
+    /// Renderer of the samples `samples` of each pixel of `scene`, which `session` has [loaded](crate::Device::load).
+    pub fn new(session: Box<dyn Session>, scene: &DeviceScene, samples: Range<u32>) -> Self {
+        let (width, height) = (scene.work.width, scene.work.height);
+        let course = Course::new(height, samples.start, 2e5);
+        Self { session, width, height, samples, samples_per_pass: None, courses: Films::new(course), adaptive: None }
     }
 
     /// Gives pixels no more samples than bring the relative standard error of their block's luminance below `noise`:
@@ -96,13 +93,13 @@ impl Renderer {
     pub fn finished(&self) -> bool {
         let course = self.courses.shown();
         let rested = self.adaptive().is_some_and(|adaptive| adaptive.active == 0);
-        course.row == self.height && (course.pass.end >= self.target || rested)
+        course.row == self.height && (course.pass.end >= self.samples.end || rested)
     }
 
     /// Between passes: finds out which blocks need no more samples, if it is time to. The answer is how many samples each
     /// pixel may get until it is time again.
     fn judge(&mut self) -> Result<u32, DeviceError> {
-        let samples = self.courses.shown().pass.end;
+        let samples = self.courses.shown().pass.end - self.samples.start;
         let due = self.adaptive().is_some_and(|adaptive| samples >= adaptive.judgement);
         let film = if due { Some(self.session.film()?) } else { None };
         let Some(adaptive) = self.adaptive.as_mut().filter(|_| self.courses.feature() == Feature::Radiance) else {
@@ -121,11 +118,11 @@ impl Renderer {
     pub fn show(&mut self, feature: Feature) -> Result<(), DeviceError> {
         // No feature takes longer than radiance.
         let rate = self.rate();
-        let Self { session, courses, height, .. } = self;
+        let Self { session, courses, height, samples, .. } = self;
         // A course begins only where the session could make a film for it.
         courses.show(feature, || {
             session.show(feature)?;
-            Ok::<_, DeviceError>(Course::new(*height, rate))
+            Ok::<_, DeviceError>(Course::new(*height, samples.start, rate))
         })?;
         session.show(feature)
     }
@@ -144,19 +141,19 @@ impl Renderer {
             self.session.rest(None)?;
         }
         for course in self.courses.iter_mut() {
-            *course = Course::new(self.height, course.lasting_rate());
+            *course = Course::new(self.height, self.samples.start, course.lasting_rate());
         }
         Ok(())
     }
 
-    /// Samples that each pixel is to have at most.
+    /// Number of samples that each pixel is to have at most.
     pub fn target(&self) -> u32 {
-        self.target
+        self.samples.end - self.samples.start
     }
 
     /// Changes how many samples each pixel is to have; a pass under way is finished.
     pub fn set_target(&mut self, target: u32) {
-        self.target = target;
+        self.samples.end = self.samples.start.saturating_add(target);
     }
 
     /// Samples that a pass adds to each pixel; `None`: as many as the device does in one portion.
@@ -196,7 +193,7 @@ impl Renderer {
             course.slowest_before = std::mem::replace(&mut course.slowest, f64::INFINITY);
             // As many samples at once as one portion can give to the whole image, and at least one.
             let affordable = (portion / pixels) as u32;
-            let most = unjudged.min(self.target - course.pass.end);
+            let most = unjudged.min(self.samples.end - course.pass.end);
             let samples = self.samples_per_pass.unwrap_or(affordable).clamp(1, most);
             course.pass = course.pass.end..course.pass.end + samples;
             course.row = 0;
@@ -258,11 +255,12 @@ impl Renderer {
     pub fn progress(&self) -> Progress {
         let Course { pass, row, sampling, total, .. } = self.courses.shown();
         let total_samples = *total;
-        let done = f64::from(pass.start) + f64::from(*row) / f64::from(self.height) * pass.len() as f64;
+        let first = self.samples.start;
+        let done = f64::from(pass.start - first) + f64::from(*row) / f64::from(self.height) * pass.len() as f64;
         Progress {
-            samples: if *row == self.height { pass.end } else { pass.start },
+            samples: if *row == self.height { pass.end } else { pass.start } - first,
             total_samples,
-            fraction: done / f64::from(self.target),
+            fraction: done / f64::from(self.target()),
             seconds: sampling.as_secs_f64(),
         }
     }
@@ -286,9 +284,9 @@ impl Course {
         if seconds > 0.0 { self.rate.min(self.total as f64 / seconds) } else { self.rate }
     }
 
-    fn new(height: u32, rate: f64) -> Self {
+    fn new(height: u32, first: u32, rate: f64) -> Self {
         Self {
-            pass: 0..0,
+            pass: first..first,
             row: height,
             rate,
             slowest: f64::INFINITY,

@@ -1,14 +1,14 @@
 //! The renderer cuts work into portions that a device has patience for, and leaves nothing out.
 
-use std::cell::RefCell;
 use std::ops::Range;
-use std::rc::Rc;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use raggio_render::{
     Answer, Blocks, DeviceError, DeviceScene, Display, Feature, Film, FilmPixel, Image, Pixels, Probe, Question,
     Renderer, Session,
 };
+use raggio_scene::Scene;
 
 const WIDTH: u32 = 100;
 const HEIGHT: u32 = 70;
@@ -26,7 +26,7 @@ struct Log {
 struct Clock {
     seconds_per_sample: f64,
     shown: Feature,
-    log: Rc<RefCell<Log>>,
+    log: Arc<Mutex<Log>>,
 }
 
 impl Session for Clock {
@@ -36,7 +36,7 @@ impl Session for Clock {
     }
 
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
-        let mut log = self.log.borrow_mut();
+        let mut log = self.log.lock().expect("no test panicked");
         log.samples.resize(HEIGHT as usize, vec![]);
         let portion = f64::from(WIDTH) * rows.len() as f64 * samples.len() as f64;
         log.portions.push(portion);
@@ -81,10 +81,23 @@ impl Session for Clock {
     }
 }
 
+/// An empty scene whose picture has the size that all tests take.
+fn scene() -> DeviceScene {
+    let text = format!(
+        "version = 1\nrender = {{ width = {WIDTH}, height = {HEIGHT} }}\ncamera = {{ position = [0, 0, 1], look_at = [0, 0, 0], vertical_fov_degrees = 40 }}\n"
+    );
+    DeviceScene::new(&Scene::parse(&text, "empty.toml").expect("the scene is valid")).expect("it fits devices")
+}
+
 fn render(seconds_per_sample: f64, target: u32) -> Log {
-    let log = Rc::new(RefCell::new(Log::default()));
+    render_range(seconds_per_sample, 0..target)
+}
+
+fn render_range(seconds_per_sample: f64, samples: Range<u32>) -> Log {
+    let target = samples.end - samples.start;
+    let log = Arc::new(Mutex::new(Log::default()));
     let clock = Clock { seconds_per_sample, shown: Feature::Radiance, log: log.clone() };
-    let mut renderer = Renderer::new(Box::new(clock), WIDTH, HEIGHT, target);
+    let mut renderer = Renderer::new(Box::new(clock), &scene(), samples);
     let mut last = 0.0;
     while !renderer.finished() {
         let progress = renderer.advance().expect("a portion");
@@ -94,18 +107,28 @@ fn render(seconds_per_sample: f64, target: u32) -> Log {
     assert_eq!(renderer.progress().samples, target);
     assert_eq!(renderer.progress().total_samples, u64::from(WIDTH * HEIGHT) * u64::from(target));
     drop(renderer);
-    Rc::into_inner(log).expect("the session is gone").into_inner()
+    Arc::into_inner(log).expect("the session is gone").into_inner().expect("no test panicked")
 }
 
 fn assert_each_sample_once(log: &Log, target: u32) {
+    assert_each_sample_of(log, 0..target);
+}
+
+fn assert_each_sample_of(log: &Log, samples: Range<u32>) {
     for ranges in &log.samples {
-        let mut next = 0;
+        let mut next = samples.start;
         for range in ranges {
             assert_eq!(range.start, next, "ranges in order, without gap or overlap");
             next = range.end;
         }
-        assert_eq!(next, target);
+        assert_eq!(next, samples.end);
     }
+}
+
+#[test]
+fn a_range_begins_where_it_says() {
+    let log = render_range(1e-7, 700..1000);
+    assert_each_sample_of(&log, 700..1000);
 }
 
 #[test]
@@ -138,9 +161,9 @@ fn a_session_of_no_cost_ends_too() {
 
 #[test]
 fn each_film_goes_on_from_where_it_was_left() {
-    let log = Rc::new(RefCell::new(Log::default()));
+    let log = Arc::new(Mutex::new(Log::default()));
     let clock = Clock { seconds_per_sample: 1e-7, shown: Feature::Radiance, log: log.clone() };
-    let mut renderer = Renderer::new(Box::new(clock), WIDTH, HEIGHT, 1000);
+    let mut renderer = Renderer::new(Box::new(clock), &scene(), 0..1000);
     let finish = |renderer: &mut Renderer| {
         while !renderer.finished() {
             renderer.advance().expect("a portion");
@@ -156,7 +179,7 @@ fn each_film_goes_on_from_where_it_was_left() {
     renderer.show(Feature::Radiance).expect("radiance is shown");
     assert_eq!(renderer.progress(), before);
     finish(&mut renderer);
-    assert_each_sample_once(&log.borrow(), 1000);
+    assert_each_sample_once(&log.lock().expect("no test panicked"), 1000);
 
     // The last feature's film is kept, another one begins anew.
     renderer.show(Feature::Normal).expect("normals are shown");

@@ -9,6 +9,7 @@ use crate::document::EditError;
 
 /// Why the window cannot open, or had to close.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ViewError {
     /// The scene file is wrong.
     #[error(transparent)]

@@ -26,8 +26,9 @@ impl Export {
         raggio_render::check_memory(size[0], size[1])?;
         let mut scene = tracer.scene().clone();
         [scene.render.width, scene.render.height] = size;
-        let session = tracer.device().load(&DeviceScene::new(&scene)?)?;
-        Ok(Self { file, renderer: Renderer::new(session, size[0], size[1], samples), display })
+        let device_scene = DeviceScene::new(&scene)?;
+        let session = tracer.device().load(&device_scene)?;
+        Ok(Self { file, renderer: Renderer::new(session, &device_scene, 0..samples), display })
     }
 
     /// Spends about `seconds` on it; true when the file is written.

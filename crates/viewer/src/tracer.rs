@@ -74,7 +74,7 @@ impl Tracer {
         [scene.render.width, scene.render.height] = full;
         let device_scene = DeviceScene::new(&scene)?;
         let session = device.load(&device_scene)?;
-        let renderer = Renderer::new(session, full[0], full[1], MOST_SAMPLES);
+        let renderer = Renderer::new(session, &device_scene, 0..MOST_SAMPLES);
         let tracer = Self {
             device,
             scene,
@@ -104,9 +104,8 @@ impl Tracer {
     /// Traces on `device` from now on.
     pub fn set_device(&mut self, device: Box<dyn Device>) -> Result<(), ViewError> {
         let session = device.load(&self.device_scene)?;
-        let [width, height] = self.film_size();
         let feature = self.renderer.feature();
-        self.renderer = Renderer::new(session, width, height, self.target());
+        self.renderer = Renderer::new(session, &self.device_scene, 0..self.target());
         self.renderer.show(feature)?;
         self.renderer.set_samples_per_pass(self.samples_per_pass);
         self.device = device;

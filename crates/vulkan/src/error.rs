@@ -2,6 +2,7 @@ use ash::vk;
 
 /// What can go wrong with Vulkan.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum VulkanError {
     /// There is no Vulkan loader on this machine.
     #[error(

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use raggio_render::{CpuDevice, CpuOptions, Device, DeviceScene, Film, InstructionSet};
-use raggio_scene::Scene;
+use raggio_render::{CpuDevice, CpuOptions, Device, DeviceScene, Film, InstructionSet, Renderer};
+use raggio_scene::{Sampler, Scene};
 use raggio_tests::{for_each_device, render, render_range};
 
 use crate::determinism::scenes;
@@ -57,6 +57,34 @@ fn ranges_of_samples_merge_to_the_whole() {
             let first = render_range(device.device, &scene, 0..9);
             merged.merge(&first).expect("films of one size");
             assert_same(&format!("{} {name}, samples 9..{SAMPLES} and 0..9 merged", device.label), &expected, &merged);
+        }
+    });
+}
+
+/// Renderers choose passes by their speed; films of their ranges still merge to the picture of one call.
+#[test]
+fn renderers_of_ranges_merge_to_the_whole() {
+    for_each_device(|device| {
+        for (name, mut scene) in scenes() {
+            for sampler in [Sampler::Sobol, Sampler::Pcg] {
+                scene.render.sampler = sampler;
+                let device_scene = DeviceScene::new(&scene).expect("the scene fits devices");
+                let film = |samples: Range<u32>| {
+                    let session = device.device.load(&device_scene).expect("the scene loads");
+                    let mut renderer = Renderer::new(session, &device_scene, samples.clone());
+                    while !renderer.finished() {
+                        renderer.advance().expect("the device renders");
+                    }
+                    assert_eq!(renderer.progress().samples, samples.end - samples.start);
+                    renderer.film().expect("the film can be read")
+                };
+                let mut merged = film(13..SAMPLES);
+                for range in [0..5, 5..13] {
+                    merged.merge(&film(range)).expect("films of one size");
+                }
+                let expected = render(device.device, &scene, SAMPLES);
+                assert_same(&format!("{} {name}, {sampler:?}, ranges merged", device.label), &expected, &merged);
+            }
         }
     });
 }

@@ -34,8 +34,8 @@ pub trait Device: Send + Sync {
 
 /// A scene and its films on a device: that of radiance and, once asked for, one of another feature.
 ///
-/// Samples go to the film that is shown, and what is read comes from it.
-pub trait Session {
+/// Samples go to the film that is shown, and what is read comes from it. A session may move from thread to thread.
+pub trait Session: Send {
     /// Shows the film of `feature`; at first that of radiance. That one is always kept, and of the others the last:
     /// any other begins empty.
     fn show(&mut self, feature: Feature) -> Result<(), DeviceError>;
@@ -90,6 +90,7 @@ pub type Answer = [[f32; 4]; 3];
 
 /// Why a device cannot be had or has failed.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum DeviceError {
     /// A Vulkan call failed.
     #[error(transparent)]

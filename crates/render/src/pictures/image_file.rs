@@ -39,6 +39,7 @@ enum Format {
 
 /// Why a picture cannot be written.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum OutputError {
     /// An ending that names no format.
     #[error("{}: the ending must be .png (for looking at) or .exr (linear radiance)", path.display())]

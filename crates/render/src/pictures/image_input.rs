@@ -16,6 +16,7 @@ const MOST_PIXELS: u64 = 1 << 26;
 
 /// Why a picture cannot be read.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum InputError {
     /// An ending that names no format.
     #[error("{}: the ending must be .exr (linear radiance) or .png (sRGB)", path.display())]

@@ -4,6 +4,7 @@ use raggio_kernels::MAX_TEXTURE_SIDE;
 
 /// A scene that no device can hold.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum TranslationError {
     /// More bodies around the camera than a path remembers.
     #[error("the camera is inside {found} dielectric bodies at once, and a path can remember {limit}")]

@@ -6,6 +6,7 @@ use raggio_scene::SceneError;
 
 /// Why a document did not change, or was not written. Nothing has changed when one is returned.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum EditError {
     /// The edited text would not be a valid scene; line and column are those of that text.
     #[error(transparent)]
