@@ -37,6 +37,11 @@ impl TestDevice {
     }
 }
 
+/// Whether `RAGGIO_TEST_LONG=1` asks for what is slow and rarely finds anything.
+pub fn long() -> bool {
+    std::env::var("RAGGIO_TEST_LONG").is_ok_and(|value| value == "1")
+}
+
 /// Keeps buffers small, and a dispatch far below the most workgroups that Vulkan guarantees.
 const PROBES_AT_ONCE: usize = 1 << 18;
 

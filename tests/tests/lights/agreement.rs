@@ -4,6 +4,7 @@ use glam::{DAffine3, DVec3};
 use raggio_kernels::FilmPixel;
 use raggio_render::Film;
 use raggio_scene::{Integrator, LightKind, Scene};
+use raggio_tests::devices::{cpu, long};
 use raggio_tests::statistics::sidak;
 use raggio_tests::{TestDevice, for_each_device, parse, render};
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -62,6 +63,11 @@ const MATERIALS: [(&str, &str); 12] = [
         "principled = { base_color = [0.5, 0.8, 0.5], roughness = 0.7, diffuse_transmission = 0.6, thin_walled = true }",
     ),
 ];
+
+/// Materials without `principled`, which come first.
+const SIMPLE: usize = 6;
+/// A sphere, a box and a mesh.
+const BODIES: usize = 3;
 
 type Lamp = (&'static str, fn(&mut Scene));
 
@@ -143,6 +149,27 @@ fn scene(material: &str, max_depth: u32, lamp: fn(&mut Scene)) -> Scene {
     scene
 }
 
+/// A stage whose bodies have a material each: the sphere, the box, and a mesh in front of them.
+fn trio(materials: [&str; BODIES], lamp: fn(&mut Scene)) -> Scene {
+    let mut scene = scene(materials[0], 6, |_| ());
+    for (body, keys) in [(2, materials[1]), (3, materials[2])] {
+        let mut parsed = parse(&[STAGE, "[materials.subject]\n", keys, "\n"].concat());
+        if body == 3 {
+            let place = DAffine3::from_scale_rotation_translation(
+                DVec3::new(0.35, 0.4, 0.35),
+                glam::DQuat::from_rotation_z(0.3),
+                DVec3::new(0.05, 0.5, 0.9),
+            );
+            add_mesh(&mut scene, ball(2), place, "floor");
+        }
+        let subject = parsed.materials.iter().position(|m| m.name == "subject").expect("it is in the text");
+        scene.shapes[body].material = scene.materials.len();
+        scene.materials.push(parsed.materials.swap_remove(subject));
+    }
+    lamp(&mut scene);
+    scene
+}
+
 /// Mean luminance of a block of pixels, and the variance of that.
 fn block(film: &Film, left: u32, top: u32) -> (f64, f64) {
     let pixels = film.pixels();
@@ -202,23 +229,70 @@ fn assert_agree(device: &TestDevice, scenes: Vec<(String, Scene)>, samples: [u32
     assert!(bad.is_empty(), "{}: beyond {limit:.2} are\n{}", device.label, bad.join("\n"));
 }
 
+/// Materials of the three bodies in each scene of a cover: a row a scene, with the lamp's number in front.
+///
+/// Every lamp meets every material, and every material is on every body, in a third of the scenes that each pair alone
+/// would take. The two kinds of materials have kernels of their own and stay apart.
+fn cover() -> Vec<(usize, [usize; BODIES])> {
+    let rows = |lamp| {
+        (0..MATERIALS.len() / BODIES).map(move |row| {
+            let (kind, group) = (row * BODIES / SIMPLE, row * BODIES % SIMPLE);
+            (lamp, [0, 1, 2].map(|body| kind * SIMPLE + (group + body + lamp) % SIMPLE))
+        })
+    };
+    (0..lamps().len()).flat_map(rows).collect()
+}
+
+#[test]
+fn the_cover_leaves_no_pair_out() {
+    let cover = cover();
+    assert_eq!(cover.len(), 52);
+    for material in 0..MATERIALS.len() {
+        for lamp in 0..lamps().len() {
+            assert!(cover.iter().any(|row| row.0 == lamp && row.1.contains(&material)), "{material} under {lamp}");
+        }
+        for body in 0..BODIES {
+            assert!(cover.iter().any(|row| row.1[body] == material), "{material} on body {body}");
+        }
+    }
+    let is_principled = |material: &usize| MATERIALS[*material].1.starts_with("principled");
+    for (_, materials) in &cover {
+        let principled = materials.iter().filter(|material| is_principled(material)).count();
+        assert!(principled == 0 || principled == BODIES, "{materials:?}");
+    }
+}
+
+/// Three bodies of different materials; all pairs of a lamp and a material alone are for long tests.
 #[test]
 fn every_light_on_every_material() {
+    let lamps = lamps();
     for_each_device(|device| {
         let mut scenes = vec![];
-        for (i, (lamp, add)) in lamps().into_iter().enumerate() {
-            for (j, (what, material)) in MATERIALS.iter().enumerate() {
-                let scene = scene(material, 6, add);
-                // Software Vulkan runs the same kernels, and takes minutes to compile those for all materials: there,
-                // each light that needs none of these meets one material.
-                let is_simple = scene.lights.is_empty() && scene.materials.iter().all(|m| m.principled.is_none());
-                if !device.slow || (is_simple && j == i % 6) {
-                    scenes.push((format!("{what} under {lamp}"), scene));
-                }
+        for (lamp, materials) in cover() {
+            let (name, add) = lamps[lamp];
+            let scene = trio(materials.map(|material| MATERIALS[material].1), add);
+            // Software Vulkan runs the same kernels, and takes minutes to compile those for all materials: there,
+            // each light that needs none of these meets three materials.
+            let is_simple = scene.lights.is_empty() && scene.materials.iter().all(|m| m.principled.is_none());
+            if !device.slow || (is_simple && materials.contains(&(lamp % SIMPLE))) {
+                let names = materials.map(|material| MATERIALS[material].0);
+                scenes.push((format!("{} under {name}", names.join(", ")), scene));
             }
         }
         assert_agree(&device, scenes, device.pick([192, 512], [32, 96]));
     });
+}
+
+#[test]
+fn every_light_on_every_material_alone() {
+    if !long() {
+        return;
+    }
+    let device = TestDevice { label: "cpu", slow: false, device: cpu() };
+    let pairs = lamps().into_iter().flat_map(|(lamp, add)| {
+        MATERIALS.map(move |(what, material)| (format!("{what} under {lamp}"), scene(material, 6, add)))
+    });
+    assert_agree(&device, pairs.collect(), [192, 512]);
 }
 
 /// A shadow ray counts as the ray it replaces: both integrators see equally far.
@@ -226,7 +300,12 @@ fn every_light_on_every_material() {
 fn depth_means_the_same() {
     for_each_device(|device| {
         let mut scenes = vec![];
-        for (lamp, add) in lamps().into_iter().take(device.pick(13, 1)) {
+        // A light of each kind: an area, the sky, a point, and all together.
+        let is_chosen = |lamp: &str| match device.slow {
+            true => lamp == "sphere",
+            false => long() || ["sphere", "sky's image", "point", "many"].contains(&lamp),
+        };
+        for (lamp, add) in lamps().into_iter().filter(|(lamp, _)| is_chosen(lamp)) {
             for max_depth in [1, 2, 3, 0] {
                 let material = device.pick(MATERIALS[7], MATERIALS[0]).1;
                 scenes.push((format!("{lamp} at depth {max_depth}"), scene(material, max_depth, add)));
