@@ -20,6 +20,14 @@ pub enum Command {
     #[cfg(feature = "window")]
     /// Open a scene in a window and fly through it while the picture converges
     View(ViewArguments),
+    /// Say that this build has no window
+    #[cfg(not(feature = "window"))]
+    #[command(hide = true)]
+    View {
+        /// Whatever a build with a window takes
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<std::ffi::OsString>,
+    },
     /// List the devices that can render, and what they lack if anything
     Devices,
     /// Read a scene and say what is wrong with it, if anything

@@ -29,6 +29,10 @@ fn main() -> ExitCode {
         Command::Demo(arguments) => render::demo(&arguments),
         #[cfg(feature = "window")]
         Command::View(arguments) => view::view(&arguments),
+        #[cfg(not(feature = "window"))]
+        Command::View { .. } => Err(error::Failure::Input(
+            "this raggio was built without its window: `make install` builds one with it".into(),
+        )),
         Command::Devices => listing::devices(),
         Command::Check { scene, assets } => listing::check(&scene, assets.options(None)),
         Command::Schema => listing::schema(),
