@@ -4,7 +4,7 @@
 .PHONY: help setup setup-tests demo install uninstall test test-long gallery bench lint clean
 
 env := . scripts/env.sh &&
-# Tests also run the CPU kernels with bounds checks.
+# Tests also run the CPU kernels with bounds checks; what checks builds the same, or it would be built twice.
 test_env := $(env) RAGGIO_KERNEL_LEVELS=all
 
 PREFIX ?= $(HOME)/.local
@@ -49,7 +49,7 @@ bench: setup ## measure the speed, and how the error falls with samples
 lint: setup ## check formatting, warnings, the documentation's links and, with cargo-deny, licences
 	$(env) cargo fmt --all --check
 	$(env) python scripts/check_links.py
-	$(env) cargo clippy --workspace --all-targets --release -- -D warnings
+	$(test_env) cargo clippy --workspace --all-targets --release -- -D warnings
 	@$(env) if cargo deny --version >/dev/null 2>&1; then cargo deny check bans licenses sources; \
 	else echo "lint: cargo-deny is not installed: licences and sources of dependencies were NOT checked"; fi
 

@@ -39,7 +39,20 @@ impl TestDevice {
 
 /// Whether `RAGGIO_TEST_LONG=1` asks for what is slow and rarely finds anything.
 pub fn long() -> bool {
-    std::env::var("RAGGIO_TEST_LONG").is_ok_and(|value| value == "1")
+    is_on("RAGGIO_TEST_LONG")
+}
+
+/// Says that a part of a test is skipped, and why.
+///
+/// # Panics
+/// If `RAGGIO_TEST_EVERYTHING=1` says that nothing may be.
+pub fn lacks(why: &str) {
+    assert!(!is_on("RAGGIO_TEST_EVERYTHING"), "RAGGIO_TEST_EVERYTHING=1, and {why}");
+    eprintln!("skipped: {why}");
+}
+
+fn is_on(variable: &str) -> bool {
+    std::env::var(variable).is_ok_and(|value| value == "1")
 }
 
 /// Keeps buffers small, and a dispatch far below the most workgroups that Vulkan guarantees.
@@ -81,12 +94,10 @@ pub fn vulkan() -> Option<&'static dyn Device> {
 
 /// The same device once more, for tests that change it.
 pub fn open_vulkan() -> Option<Box<dyn Device>> {
-    let required = std::env::var("RAGGIO_TEST_EVERYTHING").is_ok_and(|value| value == "1");
     match open(DeviceChoice::Vulkan(None), OpenOptions { validate: true, ..OpenOptions::default() }, |_| ()) {
         Ok(device) => Some(device),
         Err(error) => {
-            assert!(!required, "RAGGIO_TEST_EVERYTHING=1, and Vulkan cannot be used: {error}");
-            eprintln!("testing the CPU alone, for Vulkan cannot be used: {error}");
+            lacks(&format!("Vulkan cannot be used: {error}"));
             None
         }
     }

@@ -1,6 +1,7 @@
 //! Keeps what compilers make, so that nothing is made again from equal text, with equal flags, by an equal compiler.
 
 use std::fmt::Write as _;
+use std::fs::File;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -42,7 +43,10 @@ impl Cache {
         if std::fs::read(entry.join("key")).is_ok_and(|kept| kept == key.as_bytes()) && copy(files, &entry, out).is_ok()
         {
             // The time of the last use, for `prune`.
-            let _ = std::fs::write(entry.join("key"), &key);
+            let _ = File::options()
+                .append(true)
+                .open(entry.join("key"))
+                .and_then(|kept| kept.set_modified(SystemTime::now()));
             return Ok(());
         }
         make()?;
@@ -56,7 +60,9 @@ impl Cache {
 
     fn prune(&self) {
         for entry in std::fs::read_dir(&self.0).into_iter().flatten().flatten() {
-            let used = std::fs::metadata(entry.path().join("key")).and_then(|data| data.modified());
+            // One that was never finished has no key.
+            let used = std::fs::metadata(entry.path().join("key")).or_else(|_| entry.metadata());
+            let used = used.and_then(|data| data.modified());
             let age = used.ok().and_then(|used| SystemTime::now().duration_since(used).ok());
             if age.is_some_and(|age| age > KEPT) {
                 let _ = std::fs::remove_dir_all(entry.path());

@@ -21,25 +21,29 @@ pub struct Level {
 }
 
 /// Levels to build, the most capable first: those that `RAGGIO_KERNEL_LEVELS` lists, separated by commas, or by default
-/// all but `checked`. `native` is the best that this machine has, and `all` includes `checked`.
+/// all but `checked`. `native` is the best that this machine has, or the default where it builds for another; `all`
+/// includes `checked`.
 pub fn levels() -> Result<Vec<Level>, String> {
     println!("cargo:rerun-if-env-changed=RAGGIO_KERNEL_LEVELS");
     let all = all_levels();
-    let wanted = std::env::var("RAGGIO_KERNEL_LEVELS").unwrap_or_default();
-    let mut names: Vec<&str> = wanted.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
-    if let Some(native) = names.iter_mut().find(|name| **name == "native") {
-        *native = native_level();
+    let listed = std::env::var("RAGGIO_KERNEL_LEVELS").unwrap_or_default();
+    let names: Vec<&str> = listed.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
+    let known = || all.iter().map(|level| level.suffix).chain(["native", "all"]);
+    if let Some(name) = names.iter().find(|name| !known().any(|known| known == **name)) {
+        let known: Vec<_> = known().collect();
+        return Err(format!("RAGGIO_KERNEL_LEVELS names `{name}`, and there are {}", known.join(", ")));
     }
-    let known = |name: &&str| *name == "all" || all.iter().any(|level| level.suffix == *name);
-    if let Some(name) = names.iter().find(|name| !known(name)) {
-        let levels: Vec<_> = all.iter().map(|level| level.suffix).chain(["native", "all"]).collect();
-        return Err(format!("RAGGIO_KERNEL_LEVELS names `{name}`, and there are {}", levels.join(", ")));
-    }
-    let built = |level: &&Level| match &names[..] {
-        [] => !level.checked,
-        names => names.iter().any(|name| *name == "all" || level.suffix == *name),
+    let is_for_here = std::env::var("HOST") == std::env::var("TARGET");
+    let means = |level: &Level, name: &str| match name {
+        "all" => true,
+        "native" if is_for_here => level.suffix == native(),
+        "native" => !level.checked,
+        name => level.suffix == name,
     };
-    Ok(all.iter().filter(built).copied().collect())
+    let wanted = |level: &Level| {
+        if names.is_empty() { !level.checked } else { names.iter().any(|name| means(level, name)) }
+    };
+    Ok(all.into_iter().filter(wanted).collect())
 }
 
 fn all_levels() -> Vec<Level> {
@@ -55,32 +59,19 @@ fn all_levels() -> Vec<Level> {
     }
 }
 
-/// The best level that the machine which builds has.
+/// Suffix of the best level that the machine which builds has.
 #[cfg(target_arch = "x86_64")]
-fn native_level() -> &'static str {
-    use std::arch::is_x86_feature_detected as has;
-    if std::env::var("HOST") != std::env::var("TARGET") {
-        return "all";
-    }
-    if has!("avx512f") && has!("avx512bw") && has!("avx512cd") && has!("avx512dq") && has!("avx512vl") {
-        "v4"
-    } else if has!("avx2")
-        && has!("fma")
-        && has!("bmi1")
-        && has!("bmi2")
-        && has!("f16c")
-        && has!("lzcnt")
-        && has!("movbe")
-    {
-        "v3"
-    } else {
-        "v2"
+fn native() -> &'static str {
+    match crate::x86::level() {
+        4 => "v4",
+        3 => "v3",
+        _ => "v2",
     }
 }
 
 #[cfg(not(target_arch = "x86_64"))]
-fn native_level() -> &'static str {
-    "all"
+fn native() -> &'static str {
+    "baseline"
 }
 
 /// slangc's C++, as the C++ compiler gets it.
@@ -110,7 +101,7 @@ impl Sources {
         write(&unit, &text)?;
 
         let mut build = cc::Build::new();
-        build.cpp(true).std("c++17").opt_level(3).debug(false).warnings(false).include(out).file(&unit);
+        build.cpp(true).std("c++17").opt_level(3).debug(false).warnings(false).file(&unit);
         // Kernels use nothing of the C++ library. Lines for cargo are printed below, where results are kept too.
         build.cargo_metadata(false).cpp_link_stdlib(None);
         if level.checked {
@@ -132,8 +123,8 @@ impl Sources {
 
         let compiler = build.try_get_compiler().map_err(failed)?;
         let version = Command::new(compiler.path()).arg("--version").output().map(|output| output.stdout);
-        let flags = compiler.args();
-        let recipe = format!("{:?} {flags:?} {:?} {}", compiler.path(), level.flag, level.checked);
+        // Flags name no folder, so that all profiles share what is kept: the unit finds its two parts beside it.
+        let recipe = format!("{:?} {:?}", compiler.path(), compiler.args());
         let version = String::from_utf8_lossy(&version.unwrap_or_default()).into_owned();
         let file = if compiler.is_like_msvc() { format!("{library}.lib") } else { format!("lib{library}.a") };
         cache.get(&[&version, &recipe, &text, &self.prelude, &self.kernels], out, &[file], || {

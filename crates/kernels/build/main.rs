@@ -9,6 +9,9 @@ mod layout;
 mod slang;
 #[path = "../src/compile/slangc.rs"]
 mod slangc;
+#[cfg(target_arch = "x86_64")]
+#[path = "../src/cpu/x86.rs"]
+mod x86;
 
 use std::path::{Path, PathBuf};
 
@@ -21,6 +24,7 @@ fn main() {
     let out = PathBuf::from(std::env::var("OUT_DIR").expect("cargo sets OUT_DIR"));
     println!("cargo:rerun-if-changed=build");
     println!("cargo:rerun-if-changed=src/compile");
+    println!("cargo:rerun-if-changed=src/cpu");
     if let Err(message) = build(&out) {
         // Cargo shows this line even where it folds the rest of a failed build script's output.
         println!("cargo::error={}", message.replace('\n', " "));

@@ -61,8 +61,10 @@ fn compile(folder: &Path) -> Result<(Spirv, Vec<String>), String> {
     };
     let modules: Vec<_> = std::thread::scope(|scope| {
         let compile = &compile;
-        let threads = [0, 1, 2, 3].map(|variant| scope.spawn(move || compile(variant)));
-        threads.into_iter().map(|thread| thread.join().expect("compiling does not panic")).collect()
+        let threads =
+            std::array::from_fn::<_, { slangc::VARIANTS.len() }, _>(|variant| scope.spawn(move || compile(variant)));
+        let failed = |_| Err("compiling the kernels failed by a fault of raggio's own".into());
+        threads.into_iter().map(|thread| thread.join().unwrap_or_else(failed)).collect()
     });
     let mut spirv = crate::SPIRV;
     for (code, module) in spirv.0.iter_mut().zip(modules) {

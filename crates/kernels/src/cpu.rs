@@ -2,6 +2,9 @@
 
 #![allow(unsafe_code)] // The call itself; all that it relies on is checked here.
 
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
 use crate::{
     BLOCK, BrokenScene, Comparison, EntryPoint, FILM_WORD, FilmPixel, INPUT_WORD, OUTPUT_WORD, PixelFilter,
     RESTING_WORD, SCENE_WORD, SCENE_WORDS, SceneBuffers, WORK_WORD, Work,
@@ -48,21 +51,10 @@ impl InstructionSet {
 
     #[cfg(target_arch = "x86_64")]
     fn supported(self) -> bool {
-        use std::arch::is_x86_feature_detected as has;
-        let v2 = has!("sse4.2") && has!("popcnt") && has!("cmpxchg16b");
-        let v3 = v2
-            && has!("avx2")
-            && has!("fma")
-            && has!("bmi1")
-            && has!("bmi2")
-            && has!("f16c")
-            && has!("lzcnt")
-            && has!("movbe");
-        let v4 = v3 && has!("avx512f") && has!("avx512bw") && has!("avx512cd") && has!("avx512dq") && has!("avx512vl");
         match self {
-            Self::X86V4 => v4,
-            Self::X86V3 => v3,
-            Self::X86V2 | Self::Checked => v2,
+            Self::X86V4 => x86::level() >= 4,
+            Self::X86V3 => x86::level() >= 3,
+            Self::X86V2 | Self::Checked => x86::level() >= 2,
             Self::Baseline => true,
         }
     }

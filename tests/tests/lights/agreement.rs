@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3};
 use raggio_kernels::FilmPixel;
 use raggio_render::Film;
 use raggio_scene::{Integrator, LightKind, Scene};
-use raggio_tests::devices::{cpu, long};
+use raggio_tests::devices::long;
 use raggio_tests::statistics::sidak;
 use raggio_tests::{TestDevice, for_each_device, parse, render};
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -152,18 +152,17 @@ fn scene(material: &str, max_depth: u32, lamp: fn(&mut Scene)) -> Scene {
 /// A stage whose bodies have a material each: the sphere, the box, and a mesh in front of them.
 fn trio(materials: [&str; BODIES], lamp: fn(&mut Scene)) -> Scene {
     let mut scene = scene(materials[0], 6, |_| ());
-    for (body, keys) in [(2, materials[1]), (3, materials[2])] {
+    let place = DAffine3::from_scale_rotation_translation(
+        DVec3::new(0.35, 0.4, 0.35),
+        glam::DQuat::from_rotation_z(0.3),
+        DVec3::new(0.05, 0.5, 0.9),
+    );
+    add_mesh(&mut scene, ball(2), place, "floor");
+    // The floor and the sphere have theirs.
+    for (shape, keys) in scene.shapes[2..].iter_mut().zip(&materials[1..]) {
         let mut parsed = parse(&[STAGE, "[materials.subject]\n", keys, "\n"].concat());
-        if body == 3 {
-            let place = DAffine3::from_scale_rotation_translation(
-                DVec3::new(0.35, 0.4, 0.35),
-                glam::DQuat::from_rotation_z(0.3),
-                DVec3::new(0.05, 0.5, 0.9),
-            );
-            add_mesh(&mut scene, ball(2), place, "floor");
-        }
         let subject = parsed.materials.iter().position(|m| m.name == "subject").expect("it is in the text");
-        scene.shapes[body].material = scene.materials.len();
+        shape.material = scene.materials.len();
         scene.materials.push(parsed.materials.swap_remove(subject));
     }
     lamp(&mut scene);
@@ -288,11 +287,15 @@ fn every_light_on_every_material_alone() {
     if !long() {
         return;
     }
-    let device = TestDevice { label: "cpu", slow: false, device: cpu() };
-    let pairs = lamps().into_iter().flat_map(|(lamp, add)| {
-        MATERIALS.map(move |(what, material)| (format!("{what} under {lamp}"), scene(material, 6, add)))
+    for_each_device(|device| {
+        if device.slow {
+            return;
+        }
+        let pairs = lamps().into_iter().flat_map(|(lamp, add)| {
+            MATERIALS.map(move |(what, material)| (format!("{what} under {lamp}"), scene(material, 6, add)))
+        });
+        assert_agree(&device, pairs.collect(), [192, 512]);
     });
-    assert_agree(&device, pairs.collect(), [192, 512]);
 }
 
 /// A shadow ray counts as the ray it replaces: both integrators see equally far.
@@ -301,10 +304,8 @@ fn depth_means_the_same() {
     for_each_device(|device| {
         let mut scenes = vec![];
         // A light of each kind: an area, the sky, a point, and all together.
-        let is_chosen = |lamp: &str| match device.slow {
-            true => lamp == "sphere",
-            false => long() || ["sphere", "sky's image", "point", "many"].contains(&lamp),
-        };
+        let chosen = device.pick(&["sphere", "sky's image", "point", "many"][..], &["sphere"]);
+        let is_chosen = |lamp: &str| chosen.contains(&lamp) || (long() && !device.slow);
         for (lamp, add) in lamps().into_iter().filter(|(lamp, _)| is_chosen(lamp)) {
             for max_depth in [1, 2, 3, 0] {
                 let material = device.pick(MATERIALS[7], MATERIALS[0]).1;
