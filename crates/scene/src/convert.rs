@@ -14,10 +14,10 @@ use glam::{DVec3, Vec3};
 
 use crate::assets::{Assets, Imported};
 use crate::fault::{Fault, steps};
-use crate::file::{CameraFile, FilterFile, RenderFile, SamplerFile, SceneFile};
+use crate::file::{CameraFile, RenderFile, SceneFile};
 use crate::names;
 use crate::number::SMALLEST;
-use crate::scene::{Camera, Environment, Filter, Geometry, Material, RenderSettings, Sampler, Scene};
+use crate::scene::{Camera, Environment, Geometry, Material, RenderSettings, Scene};
 
 /// Sine of the smallest angle between `up` and the viewing direction.
 const PARALLEL: f64 = 1e-5;
@@ -86,16 +86,8 @@ fn render(file: &RenderFile) -> RenderSettings {
         samples: file.samples.0 as u32,
         max_depth: file.max_depth.0 as u32,
         seed: file.seed.0 as u32,
-        sampler: match file.sampler {
-            SamplerFile::Sobol => Sampler::Sobol,
-            SamplerFile::Pcg => Sampler::Pcg,
-        },
-        filter: match file.filter {
-            FilterFile::Box => Filter::Box,
-            FilterFile::BlackmanHarris => Filter::BlackmanHarris,
-            FilterFile::Mitchell => Filter::Mitchell,
-            FilterFile::Point => Filter::Point,
-        },
+        sampler: file.sampler.0,
+        filter: file.filter.0,
         clamp: file.clamp.map(|limit| f64::from(limit) as f32),
         surface_offset: file.surface_offset,
         ..RenderSettings::default()

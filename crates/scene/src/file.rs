@@ -10,10 +10,11 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::named::Named;
 use crate::number::{
     Brightness, Coordinate, FieldOfView, Fraction, NonNegative, Positive, Reflectance, RefractiveIndex, Version, Whole,
 };
-use crate::scene::RenderSettings;
+use crate::scene::{Filter, RenderSettings, Sampler};
 
 pub(crate) use principled::{
     AlphaModeFile, PrincipledFile, TextureFile, TextureFilterFile, TextureTable, WrapFile, WrapName,
@@ -66,40 +67,14 @@ pub(crate) struct RenderFile {
     /// Chooses the random numbers: the same seed gives the same picture.
     pub seed: Whole<0, 4294967295>,
     /// Where the random numbers come from.
-    pub sampler: SamplerFile,
+    pub sampler: Named<Sampler>,
     /// What a pixel's value is the mean of.
-    pub filter: FilterFile,
+    pub filter: Named<Filter>,
     /// The largest channel of a sample that counts: what exceeds it is taken off, which loses light and fireflies. Absent: nothing is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clamp: Option<Positive>,
     /// Whether rays start slightly off the surface they leave. Without it surfaces shadow themselves in rings; only for teaching.
     pub surface_offset: bool,
-}
-
-/// Where the random numbers come from.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-#[schemars(rename = "Sampler")]
-pub(crate) enum SamplerFile {
-    /// Scrambled Sobol' points, which spread evenly: less noise.
-    Sobol,
-    /// Independent numbers.
-    Pcg,
-}
-
-/// With which weights the picture around a pixel's centre makes its value.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-#[schemars(rename = "Filter")]
-pub(crate) enum FilterFile {
-    /// All of the pixel's area alike.
-    Box,
-    /// A smooth bell 3 pixels wide: the softest.
-    BlackmanHarris,
-    /// Mitchell and Netravali's, 4 pixels wide, with negative lobes: the sharpest.
-    Mitchell,
-    /// The pixel's centre alone, which shows aliasing.
-    Point,
 }
 
 /// Where the picture is taken from.
@@ -340,15 +315,15 @@ impl JsonSchema for Materials {
 
 impl Default for RenderFile {
     fn default() -> Self {
-        let RenderSettings { width, height, samples, max_depth, seed, surface_offset, .. } = RenderSettings::default();
+        let RenderSettings { width, height, samples, max_depth, seed, sampler, filter, surface_offset, .. } = RenderSettings::default();
         Self {
             width: Whole(width.into()),
             height: Whole(height.into()),
             samples: Whole(samples.into()),
             max_depth: Whole(max_depth.into()),
             seed: Whole(seed.into()),
-            sampler: SamplerFile::Sobol,
-            filter: FilterFile::Box,
+            sampler: Named(sampler),
+            filter: Named(filter),
             clamp: None,
             surface_offset,
         }

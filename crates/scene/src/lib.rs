@@ -32,6 +32,7 @@ mod error;
 mod fault;
 mod file;
 mod load;
+mod named;
 mod names;
 mod number;
 mod reader;
@@ -46,6 +47,7 @@ pub use error::SceneError;
 pub use glam::{DAffine3, DMat3, DVec3, Vec3};
 pub use load::scene_text;
 pub use names::display_name;
+pub use raggio_choice::{Choice, UnknownName, listed};
 pub use raggio_images::{Bitmap, Texels};
 pub use raggio_models::{AlphaMode, Light, LightKind, Mesh, Part, Principled, Texture, TextureFilter, Wrap};
 pub use scene::{

@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, EulerRot, Vec3};
+use raggio_choice::choice;
 use raggio_images::Bitmap;
 use raggio_models::{Light, Mesh, Part, Principled};
 
@@ -74,41 +75,43 @@ impl Default for RenderSettings {
             filter: Filter::Box,
             clamp: None,
             surface_offset: true,
-            integrator: Integrator::default(),
+            integrator: Integrator::Path,
         }
     }
 }
 
-/// Algorithms of light transport, which all arrive at one picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Integrator {
-    /// Lights are looked for at each surface, and light met by chance of scattering is weighed against that.
-    #[default]
-    Path,
-    /// Chance alone finds lights: slow, and simple enough to be believed.
-    Reference,
+choice! {
+    /// Algorithms of light transport, which all arrive at one picture.
+    pub enum Integrator: "integrator" {
+        /// Lights are looked for at each surface, and light met by chance of scattering is weighed against that.
+        Path = "path",
+        /// Chance alone finds lights: slow, and simple enough to be believed.
+        Reference = "reference",
+    }
 }
 
-/// Source of the random numbers of a pixel's samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sampler {
-    /// Scrambled Sobol' points, which spread evenly: less noise.
-    Sobol,
-    /// Independent numbers of a hash.
-    Pcg,
+choice! {
+    /// Source of the random numbers of a pixel's samples.
+    pub enum Sampler: "sampler" {
+        /// Scrambled Sobol' points, which spread evenly: less noise.
+        Sobol = "sobol",
+        /// Independent numbers of a hash.
+        Pcg = "pcg",
+    }
 }
 
-/// Reconstruction filter: weights with which the picture around a pixel's centre makes its value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Filter {
-    /// Box over the pixel's area, with equal weights.
-    Box,
-    /// Blackman-Harris window, a smooth bell 3 pixels wide: the softest.
-    BlackmanHarris,
-    /// Mitchell and Netravali's filter, 4 pixels wide, with negative lobes: the sharpest.
-    Mitchell,
-    /// Value of the pixel's centre alone, which shows aliasing.
-    Point,
+choice! {
+    /// Reconstruction filter: weights with which the picture around a pixel's centre makes its value.
+    pub enum Filter: "filter" {
+        /// Box over the pixel's area, with equal weights.
+        Box = "box",
+        /// Blackman-Harris window, a smooth bell 3 pixels wide: the softest.
+        BlackmanHarris = "blackman-harris",
+        /// Mitchell and Netravali's filter, 4 pixels wide, with negative lobes: the sharpest.
+        Mitchell = "mitchell",
+        /// Value of the pixel's centre alone, which shows aliasing.
+        Point = "point",
+    }
 }
 
 /// A pinhole, or a thin lens when `aperture_radius` is positive.
