@@ -30,7 +30,7 @@ impl fmt::Display for Rule {
     }
 }
 
-/// `Ok` when the condition holds; NaN fails every comparison, so conditions are written positively.
+/// Checks a condition: `Ok` when it holds. NaN fails every comparison, so conditions are written positively.
 fn require(condition: bool, must: impl Into<String>, advice: &'static str) -> Result<(), Rule> {
     let must = must.into();
     if condition { Ok(()) } else { Err(Rule { must, advice }) }
