@@ -1,5 +1,5 @@
-//! Declarations of the Slang files that slangc's reflection leaves out: `enum X : uint { A = 0, ... }` and `static
-//! const uint N = 1;`.
+//! Declarations of the Slang files that slangc's reflection leaves out: `enum X : uint { A = 0, ... }` and
+//! `static const uint N = 1;`.
 //!
 //! The build script reads them too.
 
