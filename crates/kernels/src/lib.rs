@@ -17,7 +17,7 @@ pub use layout::*;
 pub struct Variant {
     /// Whether kernels know neither principled materials nor lights without size: `kernels/variant.slang`.
     pub simple: bool,
-    /// Whether kernels know lists of any length: `kernels/lists.slang`. The scene is not storage buffers then but one
+    /// Whether kernels take lists of any length: `kernels/lists.slang`. The scene is not storage buffers then but one
     /// uniform buffer at binding 0, with the addresses of the lists in the order of [`SCENE_BINDINGS`], which takes
     /// `bufferDeviceAddress`.
     pub wide: bool,

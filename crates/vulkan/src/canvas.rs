@@ -128,7 +128,7 @@ impl Canvas {
         }
     }
 
-    /// Follows the window to `size` pixels, and makes all anew even if that is no change.
+    /// Resizes the canvas to `size` pixels, and makes all anew even if that is no change.
     pub fn resize(&mut self, size: [u32; 2]) -> Result<(), VulkanError> {
         self.framebuffers.clear();
         match &mut self.target {
