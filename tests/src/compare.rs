@@ -1,17 +1,17 @@
-//! Pictures against reference pictures: averaged over blocks, where noise falls and bias stays.
+//! Comparison of pictures with reference pictures: averaged over blocks, where noise falls and bias stays.
 
 use std::path::{Path, PathBuf};
 
 use exr::prelude::{read_first_rgba_layer_from_file, write_rgb_file};
 use raggio_render::Image;
 
-/// Of the blocks, in pixels.
+/// Side of the blocks, in pixels.
 const BLOCK: usize = 8;
 
-/// How far a picture is from its reference.
+/// Difference of a picture from its reference.
 #[derive(Clone, Copy, Debug)]
 pub struct Difference {
-    /// Of the means of all pixels, relative.
+    /// Relative error of the mean over all pixels.
     pub mean: f64,
     /// Median of the blocks' relative errors.
     pub median: f64,
@@ -20,13 +20,14 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// Half a percent in the mean, 1 % in the median block, 4 % in all but a twentieth of the blocks.
+    /// Whether the difference is within half a percent in the mean, 1 % in the median block, 4 % in all but a twentieth
+    /// of the blocks.
     pub fn within_bounds(&self) -> bool {
         self.mean <= 0.005 && self.median <= 0.01 && self.p95 <= 0.04
     }
 }
 
-/// Of `image` from `reference`. The error of a dark block counts in proportion to a hundredth of the mean.
+/// Difference of `image` from `reference`. The error of a dark block counts in proportion to a hundredth of the mean.
 pub fn difference(reference: &Image, image: &Image) -> Difference {
     assert_eq!((reference.width, reference.height), (image.width, image.height), "pictures of different sizes");
     let finite = image.pixels.iter().flatten().all(|value| value.is_finite());
@@ -48,7 +49,7 @@ pub fn difference(reference: &Image, image: &Image) -> Difference {
     }
 }
 
-/// The means of all whole blocks, channel by channel.
+/// Means of all whole blocks, channel by channel.
 fn blocks(image: &Image) -> Vec<f64> {
     let (width, height) = (image.width as usize, image.height as usize);
     let mut means = vec![];
@@ -64,14 +65,14 @@ fn blocks(image: &Image) -> Vec<f64> {
     means
 }
 
-/// Of sorted values, interpolated between neighbours.
+/// Percentile of sorted values, interpolated between neighbours.
 fn percentile(sorted: &[f64], fraction: f64) -> f64 {
     let place = fraction * (sorted.len() - 1) as f64;
     let (below, above) = (place.floor() as usize, place.ceil() as usize);
     sorted[below] + (sorted[above] - sorted[below]) * place.fract()
 }
 
-/// Reads a linear RGB picture.
+/// Reads a picture of linear red, green and blue.
 pub fn read_exr(path: &Path) -> Image {
     let read = read_first_rgba_layer_from_file(
         path,
@@ -84,7 +85,7 @@ pub fn read_exr(path: &Path) -> Image {
     Image { width: width as u32, height: (pixels.len() / width) as u32, pixels }
 }
 
-/// Writes reference, result and difference as EXR and PNG for people to look at; the answer is where.
+/// Writes reference, result and difference as EXR and PNG for people to look at; returns the folder.
 pub fn leave_behind(name: &str, reference: &Image, result: &Image) -> PathBuf {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/test-failures");
     std::fs::create_dir_all(&folder).expect("target can be written to");
@@ -106,7 +107,7 @@ pub fn leave_behind(name: &str, reference: &Image, result: &Image) -> PathBuf {
     folder.canonicalize().unwrap_or(folder)
 }
 
-/// Near enough to sRGB for looking at.
+/// Byte that encodes a linear value near enough to sRGB for looking at.
 fn encoded(value: f32) -> u8 {
     (value.clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0 + 0.5) as u8
 }

@@ -8,16 +8,17 @@ use raggio_scene::{Integrator, Scene};
 /// A device under test.
 #[derive(Clone, Copy)]
 pub struct TestDevice {
-    /// In messages: `cpu` or `vulkan`.
+    /// Name of the device in messages: `cpu` or `vulkan`.
     pub label: &'static str,
-    /// Software Vulkan is an order of magnitude slower than the CPU device, so tests take fewer samples there.
+    /// Whether the device is software Vulkan: an order of magnitude slower than the CPU device, so tests take fewer
+    /// samples there.
     pub slow: bool,
     /// The device itself.
     pub device: &'static dyn Device,
 }
 
 impl TestDevice {
-    /// `fast` on the CPU and on a GPU, `slow` on software Vulkan.
+    /// Returns `fast` on the CPU and on a GPU, `slow` on software Vulkan.
     pub fn pick<T>(&self, fast: T, slow: T) -> T {
         if self.slow { slow } else { fast }
     }
@@ -27,7 +28,7 @@ impl TestDevice {
         self.ask_in(&DeviceScene::new(scene).expect("the scene fits devices"), probe, questions)
     }
 
-    /// The same in a scene that has been translated.
+    /// Evaluates a function of the kernels in a scene that has been translated.
     pub fn ask_in(&self, scene: &DeviceScene, probe: Probe, questions: &[Question]) -> Vec<Answer> {
         let mut session = self.device.load(scene).expect("the scene loads");
         questions
@@ -37,7 +38,7 @@ impl TestDevice {
     }
 }
 
-/// Whether `RAGGIO_TEST_LONG=1` asks for what is slow and rarely finds anything.
+/// Whether `RAGGIO_TEST_LONG=1` asks for the tests that are slow and rarely find anything.
 pub fn long() -> bool {
     is_on("RAGGIO_TEST_LONG")
 }
@@ -55,7 +56,8 @@ fn is_on(variable: &str) -> bool {
     std::env::var(variable).is_ok_and(|value| value == "1")
 }
 
-/// Keeps buffers small, and a dispatch far below the most workgroups that Vulkan guarantees.
+/// Questions of one dispatch: so many keep buffers small, and the dispatch far below the most workgroups that Vulkan
+/// guarantees.
 const PROBES_AT_ONCE: usize = 1 << 18;
 
 /// Runs `test` on each device in turn; a message of Vulkan's validation layers fails it.
@@ -68,7 +70,7 @@ pub fn for_each_device(test: impl Fn(TestDevice)) {
     assert!(messages.is_empty(), "Vulkan's validation layers complain:\n{}", messages.join("\n"));
 }
 
-/// Runs `test` on each device with each integrator, of which it is given the scene.
+/// Runs `test` on each device with each integrator, which is set in the scene that the test gets.
 pub fn for_each_way(scene: &Scene, test: impl Fn(TestDevice, &Scene)) {
     for integrator in [Integrator::Path, Integrator::Reference] {
         let mut scene = scene.clone();
@@ -77,13 +79,13 @@ pub fn for_each_way(scene: &Scene, test: impl Fn(TestDevice, &Scene)) {
     }
 }
 
-/// The CPU with default options.
+/// CPU device with default options.
 pub fn cpu() -> &'static dyn Device {
     static CPU: OnceLock<Box<dyn Device>> = OnceLock::new();
     &**CPU.get_or_init(|| open(DeviceChoice::Cpu, OpenOptions::default(), |_| ()).expect("the CPU is always there"))
 }
 
-/// The best Vulkan device, with validation; `None` where there is none.
+/// Best Vulkan device, with validation; `None` where there is none.
 ///
 /// # Panics
 /// If there is none and `RAGGIO_TEST_EVERYTHING=1` says that there has to be one.
@@ -92,7 +94,7 @@ pub fn vulkan() -> Option<&'static dyn Device> {
     VULKAN.get_or_init(open_vulkan).as_deref()
 }
 
-/// The same device once more, for tests that change it.
+/// Opens the best Vulkan device once more, for tests that change it.
 pub fn open_vulkan() -> Option<Box<dyn Device>> {
     match open(DeviceChoice::Vulkan(None), OpenOptions { validate: true, ..OpenOptions::default() }, |_| ()) {
         Ok(device) => Some(device),

@@ -7,49 +7,50 @@
 use glam::{DMat3, DVec3};
 use raggio_scene::Geometry;
 
-/// Error of one rounding.
+/// Relative error of one rounding to single precision, 2^-24.
 pub const EPSILON: f64 = 5.960_464_477_539_063e-8;
-/// Roundings on the longest way through any of the formulas. Measured errors reach about a third of what this allows.
+/// Number of roundings on the longest way through any of the formulas. Measured errors reach about a third of what this
+/// allows.
 const ROUNDINGS: f64 = 8.0;
 
 /// A ray; `direction` is a unit vector up to single-precision rounding.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// Where it starts.
+    /// Point at which the ray starts.
     pub origin: DVec3,
-    /// Where it goes.
+    /// Direction in which the ray goes.
     pub direction: DVec3,
-    /// How far the device may have started it from `origin`.
+    /// Distance from `origin` at which the device may have started the ray instead.
     pub origin_error: f64,
 }
 
 /// A crossing of a ray with the surface of a shape.
 #[derive(Clone, Copy, Debug)]
 pub struct Event {
-    /// Along the ray.
+    /// Distance along the ray.
     pub distance: f64,
-    /// By which single precision may differ.
+    /// Difference of the distance that single precision may make.
     pub tolerance: f64,
-    /// Outward.
+    /// Normal of the surface, outward.
     pub normal: DVec3,
-    /// By which a component of single precision's normal may differ.
+    /// Difference of a component of the normal that single precision may make.
     pub normal_tolerance: f64,
     /// Whether rounding cannot make the ray miss here.
     pub certain: bool,
 }
 
-/// What a device answered.
+/// Answer of a device to a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Found {
-    /// Along the ray.
+    /// Distance along the ray.
     pub distance: f64,
-    /// Where.
+    /// Position of the hit.
     pub position: DVec3,
-    /// Outward.
+    /// Normal of the surface, outward.
     pub normal: DVec3,
 }
 
-/// How far an answer is from the reference.
+/// Distance of an answer from the reference.
 #[derive(Clone, Copy, Debug)]
 pub struct Agreement {
     /// Error of the distance over its tolerance.
@@ -59,13 +60,13 @@ pub struct Agreement {
 }
 
 impl Ray {
-    /// The point at `distance`.
+    /// Point at `distance` along the ray.
     pub fn at(&self, distance: f64) -> DVec3 {
         self.origin + distance * self.direction
     }
 }
 
-/// All crossings of `ray` with `shape`, in no order, also behind its origin.
+/// Lists all crossings of `ray` with `shape`, in no order, also behind its origin.
 pub fn events(shape: &Geometry, ray: &Ray) -> Vec<Event> {
     match *shape {
         Geometry::Mesh { .. } => unreachable!("meshes are compared with trial of every triangle"),
@@ -80,7 +81,7 @@ pub fn events(shape: &Geometry, ray: &Ray) -> Vec<Event> {
     }
 }
 
-/// The nearest crossing in front of `ray`, rounding aside.
+/// Finds the nearest crossing in front of `ray`, rounding aside.
 pub fn nearest(shape: &Geometry, ray: &Ray) -> Option<Event> {
     let ahead = events(shape, ray).into_iter().filter(|event| event.distance > 0.0);
     ahead.min_by(|a, b| a.distance.total_cmp(&b.distance))
@@ -92,7 +93,7 @@ pub fn check(shape: &Geometry, ray: &Ray, found: Option<Found>) -> Result<Agreem
     let ahead = || events.iter().filter(|e| e.distance > -e.tolerance);
     let certain = ahead().filter(|e| e.certain && e.distance > e.tolerance);
     let limit = certain.map(|e| e.distance + e.tolerance).fold(f64::INFINITY, f64::min);
-    // What may be the nearest crossing.
+    // Each crossing here may be the nearest.
     let candidates: Vec<_> = ahead().filter(|e| e.distance - e.tolerance <= limit).collect();
     let choice = candidates.iter().any(|e| !(e.certain && e.distance > e.tolerance));
     let Some(found) = found else {
@@ -118,7 +119,7 @@ pub fn check(shape: &Geometry, ray: &Ray, found: Option<Found>) -> Result<Agreem
     }
 }
 
-/// The largest of the numbers that describe a shape.
+/// Largest of the numbers that describe a shape.
 fn extent(shape: &Geometry) -> f64 {
     match *shape {
         Geometry::Mesh { .. } => unreachable!("meshes are compared with trial of every triangle"),
@@ -218,19 +219,19 @@ fn turned_box(center: DVec3, half: DVec3, axes: DMat3, ray: &Ray) -> Vec<Event> 
     if possible { surfaces.collect() } else { vec![] }
 }
 
-/// Of the crossings out of the three slabs those that may come first.
+/// Keeps those crossings out of the three slabs that may come first.
 fn boundary(mut events: Vec<Event>) -> Vec<Event> {
     let first = events.iter().map(|e| e.distance + e.tolerance).fold(f64::INFINITY, f64::min);
     events.retain(|e| e.distance - e.tolerance <= first);
     events
 }
 
-/// Time reversed: the last entry is the first exit.
+/// Reverses time: the last entry is the first exit.
 fn flipped(event: Event) -> Event {
     Event { distance: -event.distance, ..event }
 }
 
-/// About the fixed x axis first, then y, then z: a product of the three textbook matrices.
+/// Rotation about the fixed x axis first, then y, then z: a product of the three textbook matrices.
 pub fn rotation(degrees: DVec3) -> DMat3 {
     let [x, y, z] = degrees.to_array().map(f64::to_radians);
     DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y) * DMat3::from_rotation_x(x)

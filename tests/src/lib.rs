@@ -1,5 +1,5 @@
-//! What the tests share: the devices of this machine, scenes from text, estimates with their errors, and references
-//! in double precision.
+//! Tools that the tests share: the devices of this machine, scenes from text, estimates with their errors, and
+//! references in double precision.
 //!
 //! Every test runs on the CPU and, where there is one, on a Vulkan device with the validation layers on. Host random
 //! numbers come from fixed seeds, so a test passes always or never.

@@ -1,4 +1,4 @@
-//! From the text of a scene to numbers.
+//! Steps from the text of a scene to numbers.
 
 use std::ops::Range;
 
@@ -7,30 +7,30 @@ use raggio_kernels::{FilmPixel, FixedSum};
 use raggio_render::{Device, DeviceScene, Display, Film, Pixels, Session};
 use raggio_scene::Scene;
 
-/// A scene from its TOML text; the version line is added.
+/// Reads a scene from its TOML text; the version line is added.
 pub fn parse(text: &str) -> Scene {
     Scene::parse(&format!("version = 1\n{text}"), "test.toml").unwrap_or_else(|error| panic!("{error}\nin\n{text}"))
 }
 
-/// The first `samples` samples of each pixel.
+/// Renders the first `samples` samples of each pixel.
 pub fn render(device: &dyn Device, scene: &Scene, samples: u32) -> Film {
     render_range(device, scene, 0..samples)
 }
 
-/// These samples of each pixel.
+/// Renders the samples of each pixel whose numbers are in the range.
 pub fn render_range(device: &dyn Device, scene: &Scene, samples: Range<u32>) -> Film {
     let mut session = load(device, scene);
     session.add_samples(0..scene.render.height, samples).expect("the device renders");
     session.film().expect("the film can be read")
 }
 
-/// The scene, loaded.
+/// Loads the scene into a session of the device.
 pub fn load(device: &dyn Device, scene: &Scene) -> Box<dyn Session> {
     let device_scene = DeviceScene::new(scene).expect("the scene fits devices");
     device.load(&device_scene).expect("the scene loads")
 }
 
-/// The film that is shown as displayable pixels: red, green, blue.
+/// Returns the film that is shown as displayable pixels: red, green, blue.
 pub fn displayed(session: &mut dyn Session, display: Display) -> Vec<[u8; 3]> {
     let bytes: Vec<u8> = match session.display(display).expect("the film is displayed") {
         Pixels::Host(pixels) => pixels.into_iter().flat_map(u32::to_le_bytes).collect(),
@@ -39,10 +39,10 @@ pub fn displayed(session: &mut dyn Session, display: Display) -> Vec<[u8; 3]> {
     bytes.chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
 }
 
-/// A mean radiance and how far it may be from the truth.
+/// Mean radiance with its standard error.
 #[derive(Clone, Copy, Debug)]
 pub struct Estimate {
-    /// Red, green, blue.
+    /// Mean of red, green, blue.
     pub mean: DVec3,
     /// Standard error of `mean`.
     pub error: DVec3,
@@ -63,7 +63,7 @@ impl Estimate {
     }
 }
 
-/// Mean over all pixels of a picture in which all show the same: the pixels are its independent repetitions.
+/// Mean over all pixels of a picture in which all show one radiance: the pixels are its independent repetitions.
 pub fn estimate(device: &dyn Device, scene: &Scene, samples: u32) -> Estimate {
     let film = render(device, scene, samples);
     assert_eq!(film.rejected(), 0, "samples without a finite value");
@@ -85,7 +85,7 @@ pub fn mean(pixel: &FilmPixel) -> DVec3 {
     DVec3::from_array(sums) / f64::from(pixel.samples.max(1))
 }
 
-/// The fixed-point sum as a number of 2^-40, written anew here so that it can test the other.
+/// Value of the fixed-point sum in units of 2^-40, computed anew here so that it can test the other.
 pub fn whole(sum: FixedSum) -> i128 {
     let words = [sum.low, sum.middle, sum.high];
     let magnitude: i128 = words.iter().enumerate().map(|(i, &word)| i128::from(word) << (32 * i)).sum();

@@ -2,18 +2,18 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// What a chi-square test found.
+/// Result of a chi-square test.
 #[derive(Clone, Copy, Debug)]
 pub struct ChiSquare {
     /// Sum of the squared deviations, each over its expectation.
     pub statistic: f64,
-    /// Bins less one.
+    /// Number of bins less one.
     pub degrees_of_freedom: f64,
-    /// Probability of a statistic as large as this if the expectation is true.
+    /// Probability of a statistic this large or larger if the expectation is true.
     pub p_value: f64,
 }
 
-/// The fewest counts that a bin must expect for its deviation to be about normal.
+/// Fewest counts that a bin must expect for its deviation to be about normal.
 const FEWEST_EXPECTED: f64 = 5.0;
 
 /// Compares counts with what was expected of them. Bins that expect too little are pooled; where nothing at all is
@@ -47,7 +47,7 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// Adds a result.
+    /// Adds the result of the test called `name`.
     pub fn add(&mut self, name: String, result: ChiSquare) {
         self.results.push((name, result));
     }
@@ -64,7 +64,7 @@ impl Verdict {
         );
     }
 
-    /// The least p-value.
+    /// Least of the p-values.
     pub fn least(&self) -> f64 {
         self.results.iter().map(|(_, r)| r.p_value).fold(1.0, f64::min)
     }

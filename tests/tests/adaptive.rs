@@ -18,7 +18,7 @@ fn scene(text: &str, integrator: Integrator, seed: u32) -> Scene {
     scene
 }
 
-/// Sampled until its error is below `noise`, in passes of `pass` samples.
+/// Renders the scene until its error is below `noise`, in passes of `pass` samples.
 fn adaptive(device: &dyn Device, scene: &Scene, noise: f64, pass: Option<u32>) -> Film {
     let device_scene = DeviceScene::new(scene).expect("the scene fits devices");
     let session = device.load(&device_scene).expect("the scene loads");
@@ -43,7 +43,7 @@ fn blocks(film: &Film) -> Vec<f64> {
     (0..side * side / 64).map(block).collect()
 }
 
-/// Mean and its squared standard error of each block, over repetitions.
+/// Mean of each block over repetitions, and the squared standard error of that.
 fn summary(runs: &[Vec<f64>]) -> Vec<(f64, f64)> {
     let count = runs.len() as f64;
     let block = |i: usize| {
@@ -54,8 +54,9 @@ fn summary(runs: &[Vec<f64>]) -> Vec<(f64, f64)> {
     (0..runs[0].len()).map(block).collect()
 }
 
-/// Two-sided Z-tests of all blocks against samples that nobody chose, together at one in a thousand. A lucky early look is
-/// what could make it too dark; the lamp's light is found by chance alone, so that there is luck to be had.
+/// Z-tests, two-sided, compare all blocks with samples that nobody chose, together at one in a thousand. A lucky early
+/// look is what could make the picture too dark; the lamp's light is found by chance alone, so that there is luck to be
+/// had.
 #[test]
 fn choosing_where_to_sample_leaves_no_bias() {
     const RUNS: u32 = 24;
@@ -73,7 +74,7 @@ fn choosing_where_to_sample_leaves_no_bias() {
     }
 }
 
-/// For each block, the mean squared error of its pixels, in parts of its luminance and a hundredth of the picture's.
+/// Mean squared error of each block's pixels, in parts of its luminance and a hundredth of the picture's.
 fn relative_errors(film: &Film, exact: &Film) -> Vec<f64> {
     let side = SIDE as usize;
     let luminance = blocks(exact);
@@ -86,8 +87,8 @@ fn relative_errors(film: &Film, exact: &Film) -> Vec<f64> {
     errors
 }
 
-/// As many samples spread evenly leave a larger error where it is largest, which is what is asked to be small; and with
-/// a lamp that little of the picture sees, a larger error on average too.
+/// Samples spread evenly, as many, leave a larger error where it is largest, which is what is asked to be small; and
+/// with a lamp that little of the picture sees, a larger error on average too.
 #[test]
 fn samples_go_where_the_error_is() {
     let lamp = ("lamp", LAMP, Integrator::Reference, 1.0, 16_384);

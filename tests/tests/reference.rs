@@ -34,7 +34,7 @@ fn root() -> PathBuf {
 /// Samples per pixel that are enough for every scene where light is looked for.
 const PATH_SAMPLES: u32 = 1024;
 
-/// On the CPU and on Vulkan.
+/// Compares the picture with the reference, on the CPU and on Vulkan.
 fn matches_reference(name: &str, integrator: Integrator) {
     let naive = SCENES.iter().find(|s| s.0 == name).expect("a listed scene").1;
     let samples = if integrator == Integrator::Path { PATH_SAMPLES } else { naive };
@@ -121,7 +121,7 @@ mod path {
         matches_reference("weekend", Integrator::Path);
     }
 
-    /// Its model and its sky are others' files, and not in the project.
+    /// The scene's model and sky are others' files, and not in the project.
     #[test]
     fn bunny() {
         let models = ["tests/data/models", "../shared/models"].map(|folder| root().join("..").join(folder));
@@ -130,16 +130,16 @@ mod path {
             return;
         };
         let text = fs::read_to_string(root().join("data/reference/bunny.toml")).expect("the scene is there");
-        // Where its `../models` are those.
+        // The scene is read as if it stood where its `../models` are those.
         let scene = Scene::parse(&text, &models.join("../reference/bunny.toml").display().to_string());
         let scene = scene.unwrap_or_else(|error| panic!("{error}"));
         looks_like_reference("bunny", scene, Integrator::Path, PATH_SAMPLES);
     }
 }
 
-/// Both draw the same random numbers, so at equal samples they must agree to rounding. A path whose decision a rounding
-/// turned is another sample of the same pixel. On lavapipe 12,288 of the 12,288 pixels agree to 1e-5 in the first four
-/// scenes and 12,033 in the last, whose paths meet hundreds of small spheres; the means agree to 5e-7.
+/// Both devices draw from one sequence of random numbers, so at equal samples they must agree to rounding. A path whose
+/// decision a rounding turned is another sample of its pixel. On lavapipe 12,288 of the 12,288 pixels agree to 1e-5 in
+/// the first four scenes and 12,033 in the last, whose paths meet hundreds of small spheres; the means agree to 5e-7.
 #[test]
 fn vulkan_draws_the_pictures_of_the_cpu() {
     let Some(vulkan) = vulkan() else { return };

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use library::{Device, Library};
 
-/// A picture to be denoised, and what is known of it: row by row from the top left, `width` times `height` pixels each.
+/// Picture to be denoised, and what is known of it: row by row from the top left, `width` times `height` pixels each.
 #[derive(Clone, Copy, Debug)]
 pub struct Noisy<'a> {
     /// Pixels across.
@@ -15,19 +15,19 @@ pub struct Noisy<'a> {
     pub height: usize,
     /// Linear radiance of any brightness.
     pub color: &'a [[f32; 3]],
-    /// What the first surfaces are like.
+    /// Features of the first surfaces, to keep their edges; made by [`Denoiser::guides`].
     pub guides: Option<&'a Guides>,
 }
 
-/// What the first surfaces are like, without the noise of edges, which would come back into the picture otherwise: by
-/// [`Denoiser::guides`].
+/// Albedo and normal of the first surfaces, without the noise of edges, which would come back into the picture
+/// otherwise; made by [`Denoiser::guides`].
 #[derive(Clone, Debug)]
 pub struct Guides {
     albedo: Vec<[f32; 3]>,
     normal: Vec<[f32; 3]>,
 }
 
-/// Why there is no denoised picture.
+/// Reason why there is no denoised picture.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DenoiseError {
@@ -51,14 +51,14 @@ pub enum DenoiseError {
     },
 }
 
-/// The library, ready to work on the CPU.
+/// Denoiser of the library, ready to work on the CPU.
 pub struct Denoiser {
     device: Device,
 }
 
 impl Denoiser {
-    /// Looks for the library in `$OIDN_DIR` if that is set, else beside the program, in the project's `.venv`, and where the
-    /// system keeps its own.
+    /// Looks for the library in `$OIDN_DIR` if that is set, else beside the program, in the project's `.venv`, and
+    /// where the system keeps its own; an error if it is in none of them.
     pub fn open() -> Result<Self, DenoiseError> {
         let mut reasons = vec![];
         for path in candidates() {
@@ -70,14 +70,14 @@ impl Denoiser {
         Err(DenoiseError::NotFound(reasons.pop().unwrap_or_default()))
     }
 
-    /// As the library says it: `Open Image Denoise 2.5.1`.
+    /// Name and version of the library: `Open Image Denoise 2.5.1`.
     pub fn name(&self) -> String {
         let version = self.device.version();
         format!("Open Image Denoise {}.{}.{}", version / 10_000, version / 100 % 100, version % 100)
     }
 
-    /// Guides from the colours of the first surfaces, 0 to 1, and their normals, -1 to 1, as noisy as they are; row by row,
-    /// `width` times `height` each.
+    /// Makes guides from the albedo of the first surfaces, 0 to 1, and their normals, -1 to 1, as noisy as they are;
+    /// row by row, `width` times `height` each.
     pub fn guides(
         &self,
         [width, height]: [usize; 2],
@@ -91,7 +91,8 @@ impl Denoiser {
         Ok(Guides { albedo: clean("albedo", albedo)?, normal: clean("normal", normal)? })
     }
 
-    /// The picture without its noise.
+    /// Returns the picture without its noise, linear radiance row by row; an error if a list has not one entry for each
+    /// pixel.
     pub fn denoise(&self, noisy: Noisy<'_>) -> Result<Vec<[f32; 3]>, DenoiseError> {
         let Noisy { width, height, color, guides } = noisy;
         let size = [width, height];
@@ -120,7 +121,7 @@ const NAME: &str = if cfg!(windows) {
     "libOpenImageDenoise.so.2"
 };
 
-/// Where the library may be, the likeliest first.
+/// Paths at which the library may be, the likeliest first.
 fn candidates() -> Vec<PathBuf> {
     let within = |root: PathBuf| ["lib", "bin", ""].map(|folder| root.join(folder).join(NAME));
     if let Some(chosen) = std::env::var_os("OIDN_DIR") {

@@ -8,9 +8,9 @@ use crate::DenoiseError;
 
 type Handle = NonNull<c_void>;
 
-/// `OIDN_DEVICE_TYPE_CPU`: it reads and writes the host's memory.
+/// Device type `OIDN_DEVICE_TYPE_CPU`: it reads and writes the host's memory.
 const CPU: c_int = 1;
-/// `OIDN_FORMAT_FLOAT3`.
+/// Pixel format `OIDN_FORMAT_FLOAT3`.
 const FLOAT3: c_int = 3;
 
 /// Functions of the loaded library, which stays loaded as long as they are here.
@@ -31,7 +31,7 @@ pub struct Library {
 }
 
 impl Library {
-    /// Fails, in the system's words, if there is none at `path` or it is none of version 2.
+    /// Loads the library at `path`. Fails, in the system's words, if there is none or it is not of version 2.
     pub fn open(path: &Path) -> Result<Self, String> {
         // SAFETY: the library's constructors do nothing but prepare it; the types are those of its header, and the names
         // exist in this form since version 2.
@@ -60,7 +60,7 @@ impl Library {
     }
 }
 
-/// The CPU, as the library sees it.
+/// Device of the library that stands for the CPU.
 pub struct Device {
     library: Library,
     raw: Handle,
@@ -81,13 +81,13 @@ impl Device {
         Ok(device)
     }
 
-    /// Ten thousands, hundreds and ones of it are its parts.
+    /// Version of the library in one number: its parts are the ten thousands, the hundreds and the ones.
     pub fn version(&self) -> i32 {
         // SAFETY: the device lives, and every device has this property.
         unsafe { (self.library.device_int)(self.raw, c"version".as_ptr()) }
     }
 
-    /// Runs the ray-tracing filter over `inputs`, each `width` times `height` pixels, with these of its switches on.
+    /// Runs the ray-tracing filter over `inputs`, each `width` times `height` pixels, with the named `switches` on.
     pub fn filter(
         &self,
         [width, height]: [usize; 2],
@@ -141,7 +141,7 @@ fn failed(library: &Library, device: Option<Handle>) -> DenoiseError {
     DenoiseError::Failed(error_of(library, device).unwrap_or_else(|| "it gives no reason".into()))
 }
 
-/// The first error since the last question; without a device, of this thread.
+/// Message of the first error since the last question; without a device, of this thread's first error.
 fn error_of(library: &Library, device: Option<Handle>) -> Option<String> {
     let mut message = std::ptr::null();
     // SAFETY: the library sets the message to a string that lives until the next call, or leaves it.

@@ -1,10 +1,10 @@
-//! What is left of noise; where the library is installed.
+//! Error that denoising leaves in noisy pictures; where the library is installed.
 
 use raggio_denoise::{DenoiseError, Denoiser, Noisy};
 
 const SIDE: usize = 128;
 
-/// A grey wall left and a bright one right, and the same with noise of a fixed kind.
+/// Draws a grey wall left and a bright one right, clean and with noise of a fixed kind.
 fn picture() -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
     let mut state = 1u32;
     let mut unit = || {
@@ -22,7 +22,7 @@ fn error(found: &[[f32; 3]], clean: &[[f32; 3]]) -> f32 {
     (squares.sum::<f32>() / (3 * clean.len()) as f32).sqrt()
 }
 
-/// The library; `None`, with a word on standard error, where there is none.
+/// Opens the library; `None`, with a word on standard error, where there is none.
 fn denoiser() -> Option<Denoiser> {
     match Denoiser::open() {
         Ok(denoiser) => Some(denoiser),

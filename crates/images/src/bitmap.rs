@@ -12,11 +12,12 @@ pub struct Bitmap {
 /// Texels in one of the forms that files store.
 #[derive(Clone, PartialEq)]
 pub enum Texels {
-    /// Red, green, blue, alpha; 255 is 1. Values are kept as stored: colours are usually sRGB, everything else linear.
+    /// Texels of 8 bits: red, green, blue, alpha; 255 is 1. Values are kept as stored: colours are usually sRGB,
+    /// everything else linear.
     Rgba8(Vec<[u8; 4]>),
-    /// Red, green, blue, alpha; 65535 is 1. Values are kept as stored, like those of `Rgba8`.
+    /// Texels of 16 bits: red, green, blue, alpha; 65535 is 1. Values are kept as stored, like those of `Rgba8`.
     Rgba16(Vec<[u16; 4]>),
-    /// Linear red, green, blue, unbounded; finite and not negative. No alpha: it is 1.
+    /// Texels of floats: linear red, green, blue, unbounded; finite and not negative. No alpha: it is 1.
     Rgb32F(Vec<[f32; 3]>),
 }
 

@@ -71,7 +71,7 @@ impl Problem {
     }
 }
 
-/// Messages go to terminals, so control characters of files are escaped.
+/// Escapes control characters of files in a message, because messages go to terminals.
 pub(crate) fn printable(text: &str) -> String {
     let escape = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
     text.chars().map(escape).collect()

@@ -42,7 +42,7 @@ impl Cache {
         let entry = self.0.join(format!("{:016x}", hasher.finish()));
         if std::fs::read(entry.join("key")).is_ok_and(|kept| kept == key.as_bytes()) && copy(files, &entry, out).is_ok()
         {
-            // The time of the last use, for `prune`.
+            // The time of the last use is kept for `prune`.
             let _ = File::options()
                 .append(true)
                 .open(entry.join("key"))
@@ -60,7 +60,7 @@ impl Cache {
 
     fn prune(&self) {
         for entry in std::fs::read_dir(&self.0).into_iter().flatten().flatten() {
-            // One that was never finished has no key.
+            // An entry that was never finished has no key.
             let used = std::fs::metadata(entry.path().join("key")).or_else(|_| entry.metadata());
             let used = used.and_then(|data| data.modified());
             let age = used.ok().and_then(|used| SystemTime::now().duration_since(used).ok());

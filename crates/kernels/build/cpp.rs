@@ -74,7 +74,7 @@ fn native() -> &'static str {
     "baseline"
 }
 
-/// slangc's C++, as the C++ compiler gets it.
+/// C++ of slangc, in the parts that the C++ compiler gets.
 pub struct Sources {
     prelude: String,
     kernels: String,
@@ -169,9 +169,10 @@ const CALLED: [&str; 21] = [
     "ask",
 ];
 
-/// Every other function into its callers, which doubles the speed: the vectors of the generated code stay in registers.
-/// slangc exports the constructors it makes up; they become local like the rest, or the levels' symbols would collide.
-/// A name in [`CALLED`] that no function begins with is an error: what was meant has another name by now.
+/// Puts every function that is not [`CALLED`] into its callers, which doubles the speed: the vectors of the generated
+/// code stay in registers. slangc exports the constructors it makes up; they become local like the rest, or the levels'
+/// symbols would collide. A name in [`CALLED`] that no function begins with is an error: what was meant has another
+/// name by now.
 fn inlined(kernels: &str) -> Result<String, String> {
     let mut unused = Vec::from(CALLED);
     let mut text = String::with_capacity(2 * kernels.len());

@@ -9,7 +9,7 @@ pub struct Jobs {
 }
 
 impl Jobs {
-    /// As many as `cargo build --jobs` says.
+    /// Makes room for as many compilers as `cargo build --jobs` says.
     pub fn from_cargo() -> Self {
         let count = std::env::var("NUM_JOBS").ok().and_then(|count| count.parse().ok());
         Self { free: Mutex::new(count.unwrap_or(1).max(1)), freed: Condvar::new() }

@@ -48,20 +48,20 @@ fn find<'a>(parameters: &'a [Value], name: &str) -> Result<&'a Value, String> {
     parameters.iter().find(|p| p["name"] == name).ok_or(format!("the kernels have no parameter `{name}`"))
 }
 
-/// What a buffer, constant buffer or parameter block holds.
+/// Type of the elements that a buffer, constant buffer or parameter block holds.
 fn element(parameter: &Value) -> &Value {
     let kind = &parameter["type"];
     if kind["resultType"].is_object() { &kind["resultType"] } else { &kind["elementType"] }
 }
 
-/// A structured buffer of the scene: its Rust name, where it is bound, what it holds.
+/// Structured buffer of the scene: its Rust name, where it is bound, what it holds.
 struct Buffer {
     name: String,
     place: u64,
     element: Value,
 }
 
-/// The structured buffers of a parameter block, those in nested structures too; `place` is their offset or index.
+/// Lists the structured buffers of a parameter block, those in nested structures too; `place` is their offset or index.
 fn buffers(block: &Value, place: &str) -> Result<Vec<Buffer>, String> {
     fn walk(fields: &Value, base: u64, place: &str, found: &mut Vec<Buffer>) -> Result<(), String> {
         for field in fields.as_array().ok_or("a structure without fields")? {
@@ -143,7 +143,7 @@ fn rust_type(kind: &Value) -> Result<String, String> {
     })
 }
 
-/// The scene as the host fills it: one vector for each buffer.
+/// Writes the scene as the host fills it: one vector for each buffer.
 fn scene_buffers(buffers: &[Buffer]) -> Result<String, String> {
     let mut text = String::from(
         "/// A scene as the kernels see it: a vector for each of their buffers. Scenes may share them.\n#[derive(Clone, Debug, Default, PartialEq)]\npub struct SceneBuffers {\n",
@@ -165,7 +165,7 @@ fn scene_buffers(buffers: &[Buffer]) -> Result<String, String> {
     Ok(text)
 }
 
-/// Lookups for `SceneBuffers::check` that a new kind of shape must not be forgotten in.
+/// Writes lookups for `SceneBuffers::check` that a new kind of shape must not be forgotten in.
 fn index_checks(buffers: &[Buffer], declarations: &Declarations) -> Result<String, String> {
     let mut text = String::from(
         "impl SceneBuffers {\n    /// The largest material index that any element names.\n    pub(crate) fn largest_material(&self) -> Option<u32> {\n        let mut all = Vec::new();\n",
@@ -187,7 +187,7 @@ fn index_checks(buffers: &[Buffer], declarations: &Declarations) -> Result<Strin
     Ok(text)
 }
 
-/// Where each parameter is: descriptor bindings for SPIR-V, offsets of 8 bytes for C++.
+/// Writes the place of each parameter: descriptor bindings for SPIR-V, offsets of 8 bytes for C++.
 fn places(cpp: &[Value], spirv: &[Value], scene_cpp: &[Buffer], scene_spirv: &[Buffer]) -> Result<String, String> {
     let mut text = String::new();
     let mut constant = |doc: &str, name: &str, kind: &str, value: String| {
@@ -230,7 +230,7 @@ fn places(cpp: &[Value], spirv: &[Value], scene_cpp: &[Buffer], scene_spirv: &[B
     Ok(text)
 }
 
-/// Rust twins of what the reflection leaves out.
+/// Writes Rust twins of the enumerations and constants, which the reflection leaves out.
 fn enumerations_and_constants(declarations: &Declarations) -> String {
     let mut text = String::new();
     for enumeration in &declarations.enumerations {
@@ -254,7 +254,7 @@ fn enumerations_and_constants(declarations: &Declarations) -> String {
     text
 }
 
-/// The names of an enumeration's variants.
+/// Names of an enumeration's variants.
 fn names(enumeration: &Enumeration) -> impl Iterator<Item = &str> {
     enumeration.values().filter_map(|line| Some(line.split_once(" = ")?.0))
 }

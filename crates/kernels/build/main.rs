@@ -1,4 +1,4 @@
-//! Kernels in Slang -> SPIR-V, machine code for the CPU, and the Rust twins of their structures.
+//! Build of the kernels: Slang -> SPIR-V, machine code for the CPU, and the Rust twins of their structures.
 
 mod cache;
 mod cpp;

@@ -1,6 +1,7 @@
 //! Compiles kernels that were edited after the program was built.
 //!
-//! A development build's window exchanges them while it runs. Only the GPU's: those of the CPU are part of the program.
+//! A development build's window exchanges them while it runs. Only the GPU's kernels: those of the CPU are part of the
+//! program.
 
 mod declarations;
 mod slangc;
@@ -13,14 +14,14 @@ use crate::Spirv;
 use declarations::Declarations;
 use slangc::Target;
 
-/// The folder of the kernels that this program was built with, as it was called then.
+/// Folder of the kernels that this program was built with, as it was called then.
 pub const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../kernels");
 
-/// Why kernels cannot take the place of those that the program was built with.
+/// Reason why kernels cannot take the place of those that the program was built with.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CompileError {
-    /// They are not there, `slangc` is not, or it refuses them: in its own words then, with file and line.
+    /// The kernels are not there, `slangc` is not, or it refuses them: in its own words then, with file and line.
     #[error("{0}")]
     Failed(String),
     /// The host was built for another layout of this structure, parameter, entry point, enumeration or constant.
@@ -28,9 +29,9 @@ pub enum CompileError {
     Changed(String),
 }
 
-/// Compiles the kernels in `folder` as the build does: the unchanged ones become [`SPIRV`](crate::SPIRV).
+/// Compiles the kernels in `folder` in the build's way: the unchanged ones become [`SPIRV`](crate::SPIRV).
 ///
-/// What they share with the host must be as it was when this program was built.
+/// All that they share with the host must be as it was when this program was built.
 pub fn spirv(folder: &Path) -> Result<Spirv, CompileError> {
     let (code, shared) = compile(folder).map_err(CompileError::Failed)?;
     let reflection = include_str!(concat!(env!("OUT_DIR"), "/kernels.json"));
@@ -44,7 +45,7 @@ pub fn spirv(folder: &Path) -> Result<Spirv, CompileError> {
     }
 }
 
-/// SPIR-V, and what its kernels share with the host.
+/// Compiles the kernels in `folder` to SPIR-V, and lists what they share with the host.
 fn compile(folder: &Path) -> Result<(Spirv, Vec<String>), String> {
     let unreadable = |e: std::io::Error| format!("cannot read the kernels in {}: {e}", folder.display());
     let kernels = folder.canonicalize().map_err(unreadable)?;
@@ -75,10 +76,11 @@ fn compile(folder: &Path) -> Result<(Spirv, Vec<String>), String> {
     Ok((spirv, shared))
 }
 
-/// Structures, parameters, entry points, enumerations and constants, a line each: the name, a colon, all there is to know.
+/// Lists structures, parameters, entry points, enumerations and constants, a line each: the name, a colon, all there is
+/// to know.
 fn shared_with_host(reflection: &str, declarations: &str) -> Result<Vec<String>, String> {
     let json: Value = serde_json::from_str(reflection).map_err(|e| format!("slangc's reflection is not JSON: {e}"))?;
-    // The reflection leaves these out.
+    // Enumerations and constants are missing from the reflection.
     let mut lines = declarations.lines().map(str::to_owned).collect();
     add_structures(&json, &mut lines);
     for list in ["parameters", "entryPoints"] {
@@ -87,7 +89,7 @@ fn shared_with_host(reflection: &str, declarations: &str) -> Result<Vec<String>,
     Ok(lines)
 }
 
-/// The inner ones first: they are what changed when the outer ones did.
+/// Adds a line for each structure, the inner ones first: they are what changed when the outer ones did.
 fn add_structures(json: &Value, lines: &mut Vec<String>) {
     match json {
         Value::Array(values) => values.iter().for_each(|value| add_structures(value, lines)),

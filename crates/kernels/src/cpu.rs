@@ -19,16 +19,16 @@ pub enum InstructionSet {
     X86V3,
     /// x86-64-v2: SSE4.2.
     X86V2,
-    /// What every processor of the architecture has.
+    /// Instructions that every processor of the architecture has.
     Baseline,
-    /// The least of the architecture's levels with bounds checks, for tests: a read outside a buffer ends the program.
+    /// Least of the architecture's levels with bounds checks, for tests: a read outside a buffer ends the program.
     /// Builds contain it where `RAGGIO_KERNEL_LEVELS` asks for it.
     Checked,
 }
 
 impl InstructionSet {
-    /// The most capable level that this build contains and this processor has; `None` on processors too old for any.
-    /// Bounds checks are never the best.
+    /// Most capable level that this build contains and this processor has; `None` on processors too old for any. Bounds
+    /// checks are never the best.
     pub fn best() -> Option<Self> {
         Self::available().into_iter().find(|set| *set != Self::Checked)
     }
@@ -38,7 +38,7 @@ impl InstructionSet {
         BUILT.iter().copied().filter(|set| set.supported()).collect()
     }
 
-    /// Its usual name.
+    /// Usual name of the level.
     pub fn name(self) -> &'static str {
         match self {
             Self::X86V4 => "x86-64-v4",
@@ -69,32 +69,33 @@ type Kernel = unsafe extern "C" fn(*const [u32; 3], *const u64);
 
 include!(concat!(env!("OUT_DIR"), "/cpu_table.rs"));
 
-/// A scene whose indices have been checked, ready for [`dispatch`].
+/// Scene whose indices have been checked, ready for [`dispatch`].
 #[derive(Debug)]
 pub struct CpuScene {
     buffers: SceneBuffers,
 }
 
 impl CpuScene {
-    /// Fails if an index in `buffers` points nowhere.
+    /// Checks the scene in `buffers`; fails if an index in them points nowhere.
     pub fn new(buffers: SceneBuffers) -> Result<Self, BrokenScene> {
         buffers.check()?;
         Ok(Self { buffers })
     }
 
-    /// The same for another scene: what it shares with this one is not checked again.
+    /// Takes another scene in place of this one; what both share is not checked again. Fails if an index in it points
+    /// nowhere, and keeps this scene then.
     pub fn renew(&mut self, buffers: SceneBuffers) -> Result<(), BrokenScene> {
         buffers.check_after(&self.buffers)?;
         self.buffers = buffers;
         Ok(())
     }
 
-    /// What it was made from.
+    /// Buffers that the scene was made from.
     pub fn buffers(&self) -> &SceneBuffers {
         &self.buffers
     }
 
-    /// As the kernels' parameter block: the address and length of each buffer, where the reflection puts them.
+    /// Parameter block of the kernels: the address and length of each buffer, where the reflection puts them.
     fn block(&self) -> Vec<u64> {
         let bytes = self.buffers.bytes();
         let words = SCENE_WORDS.iter().max().map_or(0, |last| last + 2);
@@ -107,10 +108,10 @@ impl CpuScene {
     }
 }
 
-/// What a kernel reads and writes besides the scene; leave empty what it does not touch.
+/// Memory that a kernel reads and writes besides the scene; leave empty what it does not touch.
 #[derive(Default)]
 pub struct Buffers<'a> {
-    /// The rows of the work: `width` times `rows` pixels.
+    /// Film of the rows of the work: `width` times `rows` pixels.
     pub film: &'a mut [FilmPixel],
     /// Displayable pixels, or answers.
     pub output: &'a mut [u32],
@@ -120,7 +121,7 @@ pub struct Buffers<'a> {
     pub resting: &'a [u32],
 }
 
-/// Words that hold a bit for each block of the work's image.
+/// Number of words that hold a bit for each block of the work's image.
 fn resting_words(work: &Work) -> usize {
     let blocks = work.width.div_ceil(BLOCK) as usize * work.height.div_ceil(BLOCK) as usize;
     blocks.div_ceil(32)

@@ -5,21 +5,21 @@ use std::ops::Add;
 use crate::{FilmPixel, FixedSum};
 
 impl FixedSum {
-    /// The sum of this one number, rounded to 2^-40; the nearest there is to what does not fit.
+    /// Makes the sum of one number, rounded to 2^-40; the nearest sum there is to a number that does not fit.
     pub fn of(value: f64) -> Self {
         let whole = (value * (1u64 << 40) as f64).round() as i128;
         let bits = whole.clamp(-(1 << 95), (1 << 95) - 1) as u128;
         Self { low: bits as u32, middle: (bits >> 32) as u32, high: (bits >> 64) as u32 }
     }
 
-    /// In units of 2^-40.
+    /// Value of the sum in units of 2^-40.
     pub fn whole(self) -> i128 {
         let bits = u128::from(self.low) | u128::from(self.middle) << 32 | u128::from(self.high) << 64;
         // 96 bits in two's complement, widened to 128.
         ((bits << 32) as i128) >> 32
     }
 
-    /// The nearest number.
+    /// Value of the sum, rounded to the nearest double.
     pub fn value(self) -> f64 {
         self.whole() as f64 / (1u64 << 40) as f64
     }
@@ -54,7 +54,7 @@ impl FilmPixel {
         [self.red, self.green, self.blue].map(|sum| sum.value() / f64::from(self.samples.max(1)))
     }
 
-    /// Of the mean radiance, as Rec. 709 weighs its channels.
+    /// Luminance of the mean radiance, its channels weighed as Rec. 709 does.
     pub fn luminance(&self) -> f64 {
         let [red, green, blue] = self.mean();
         0.2126 * red + 0.7152 * green + 0.0722 * blue

@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-/// One buffer of [`SceneBuffers`], as bytes.
+/// Bytes of one buffer of [`SceneBuffers`].
 #[derive(Clone, Copy, Debug)]
 pub struct BufferBytes<'a> {
-    /// As in `kernels/scene.slang`.
+    /// Name of the buffer in `kernels/scene.slang`.
     pub name: &'static str,
-    /// Its elements, `count` times `stride` bytes.
+    /// Elements of the buffer, `count` times `stride` bytes.
     pub bytes: &'a [u8],
     /// Number of elements.
     pub count: usize,
@@ -22,14 +22,15 @@ impl BufferBytes<'_> {
     }
 }
 
-/// The lists over meshes, as [`BufferBytes::name`] calls them.
+/// Names of the lists over meshes, as [`BufferBytes::name`] gives them.
 const MESH_BUFFERS: [&str; 5] = ["mesh_nodes", "triangles", "triangle_materials", "meshes", "attributes"];
-/// The lists in which one view of a scene differs from another; `check_counts` looks at all that can be wrong there.
+/// Names of the lists in which one view of a scene differs from another; `check_counts` looks at all that can be wrong
+/// there.
 const VIEW_BUFFERS: [&str; 4] = ["camera", "camera_media", "counts", "filter_table"];
 
 pub use generated::*;
 
-// What they mean is said once, in the Slang files.
+// The meaning of members is said once, in the Slang files.
 #[allow(missing_docs)]
 mod generated {
     use std::sync::Arc;
@@ -39,13 +40,13 @@ mod generated {
     include!(concat!(env!("OUT_DIR"), "/layout.rs"));
 }
 
-/// Why a [`SceneBuffers`] cannot be handed to a device: an index in it points past what it refers to.
+/// Reason why a [`SceneBuffers`] cannot be handed to a device: an index in it points past what it refers to.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("broken device scene: {0}")]
 pub struct BrokenScene(String);
 
 impl TexelFormat {
-    /// How many words of `SceneBuffers::texels` a texel takes.
+    /// Number of words of `SceneBuffers::texels` that a texel takes.
     pub fn words(self) -> u32 {
         match self {
             Self::Rgba8 | Self::Rgba8Srgb => 1,
@@ -56,30 +57,30 @@ impl TexelFormat {
 }
 
 impl BvhChild {
-    /// The box between two corners, and what is in it: `count` leaves from place `first` on, or node `first` if it is 0.
-    /// `first` is below 2^30 and `count` below 4.
+    /// Makes a child of the box between two corners, and what is in it: `count` leaves from place `first` on, or node
+    /// `first` if `count` is 0. `first` is below 2^30 and `count` below 4.
     pub fn new([lower, upper]: [[f32; 3]; 2], first: u32, count: u32) -> Self {
         let group = f32::from_bits(first | count << GROUP_SHIFT);
         Self { lower: [lower[0], lower[1], lower[2], group], upper: [upper[0], upper[1], upper[2], 0.0] }
     }
 
-    /// The lower and the upper corner of its box.
+    /// Lower and upper corner of the child's box.
     pub fn corners(&self) -> [[f32; 3]; 2] {
         [self.lower, self.upper].map(|[x, y, z, _]| [x, y, z])
     }
 
-    /// The node in it, or the first of its leaves.
+    /// Place of the node in the child, or of the first of its leaves.
     pub fn first(&self) -> u32 {
         self.lower[3].to_bits() & (MOST_IN_HIERARCHY - 1)
     }
 
-    /// How many leaves it has; 0: a node is in it.
+    /// Number of the child's leaves; 0: a node is in it.
     pub fn count(&self) -> u32 {
         self.lower[3].to_bits() >> GROUP_SHIFT
     }
 }
 
-/// Nodes, or leaves, that all hierarchies of a level may have together.
+/// Most nodes, or leaves, that all hierarchies of a level may have together.
 pub const MOST_IN_HIERARCHY: u32 = 1 << GROUP_SHIFT;
 
 impl SceneBuffers {
@@ -88,8 +89,8 @@ impl SceneBuffers {
         self.check_after(&Self::default())
     }
 
-    /// The same, knowing that `checked` has been found right: what they share is not looked at again, so that another view
-    /// of a large scene is checked at once.
+    /// Checks like [`check`](Self::check), knowing that `checked` has been found right: what they share is not looked
+    /// at again, so that another view of a large scene is checked at once.
     pub fn check_after(&self, checked: &Self) -> Result<(), BrokenScene> {
         self.check_counts()?;
         let changed: Vec<&str> =
@@ -111,7 +112,7 @@ impl SceneBuffers {
         let leaves = self.counts[0].unbounded as usize..self.order.len();
         let levels = levels(&self.nodes, 0..self.nodes.len(), leaves)?;
         let below = self.meshes.iter().map(|mesh| mesh.levels).max().unwrap_or(0);
-        // On each level one child waits, and below those of each hierarchy stands a mark.
+        // One child waits on each level, and a mark stands below those of each hierarchy.
         if levels + below + 2 > BVH_STACK {
             return fail("the hierarchies are deeper than the kernels' stack");
         }
@@ -170,7 +171,7 @@ impl SceneBuffers {
         Ok(())
     }
 
-    /// Every image is inside `texels`, and the sky's texture is there.
+    /// Checks that every image is inside `texels`, and that the sky's texture is there.
     fn check_textures(&self) -> Result<(), BrokenScene> {
         let size = 1..=MAX_TEXTURE_SIDE;
         for texture in self.textures.iter() {
@@ -195,7 +196,8 @@ impl SceneBuffers {
         Ok(())
     }
 
-    /// Every emitter is what it says and has a leaf of the tree, and from each node a way leads to the root.
+    /// Checks that every emitter is what it says and has a leaf of the tree, and that from each node a way leads to the
+    /// root.
     fn check_lights(&self) -> Result<(), BrokenScene> {
         let [counts] = self.counts[..] else { return fail("`counts` must have one element") };
         let (emitters, nodes) = (self.emitters.len(), self.light_nodes.len());
@@ -303,11 +305,11 @@ impl SceneBuffers {
     }
 }
 
-/// No index: `Mesh.NONE` of the kernels.
+/// Index of nothing: `Mesh.NONE` of the kernels.
 pub const NONE: u32 = u32::MAX;
 
-/// Levels of the hierarchy in `range` of `nodes`, whose leaves must be in `leaves`: each node but the first has one
-/// parent, which stands before it.
+/// Number of levels of the hierarchy in `range` of `nodes`, whose leaves must be in `leaves`: each node but the first
+/// has one parent, which stands before it.
 fn levels(nodes: &[BvhNode], range: Range<usize>, leaves: Range<usize>) -> Result<u32, BrokenScene> {
     let mut level = vec![0u32; range.len()];
     level.iter_mut().take(1).for_each(|root| *root = 1);
@@ -346,7 +348,7 @@ mod tests {
 
     use super::*;
 
-    /// One sphere below a hierarchy of these nodes, their children given as `first` and `count`.
+    /// Scene of one sphere below a hierarchy of these nodes, their children given as `first` and `count`.
     fn with_nodes(nodes: &[[(u32, u32); 2]]) -> SceneBuffers {
         let child = |(first, count): (u32, u32)| BvhChild::new([[0.0; 3]; 2], first, count);
         let node = |&[left, right]: &[(u32, u32); 2]| BvhNode { left: child(left), right: child(right) };

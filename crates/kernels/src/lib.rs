@@ -12,20 +12,21 @@ use std::borrow::Cow;
 
 pub use layout::*;
 
-/// What kernels know of a scene and what they do not; they are fastest that know least.
+/// Knowledge that kernels have of a scene; they are fastest that know least.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Variant {
-    /// Of neither principled materials nor lights without size: `kernels/variant.slang`.
+    /// Whether kernels know neither principled materials nor lights without size: `kernels/variant.slang`.
     pub simple: bool,
-    /// Of lists of any length: `kernels/lists.slang`. The scene is not storage buffers but one uniform buffer at binding 0,
-    /// with the addresses of the lists in the order of [`SCENE_BINDINGS`], which takes `bufferDeviceAddress`.
+    /// Whether kernels take lists of any length: `kernels/lists.slang`. The scene is not storage buffers then but one
+    /// uniform buffer at binding 0, with the addresses of the lists in the order of [`SCENE_BINDINGS`], which takes
+    /// `bufferDeviceAddress`.
     pub wide: bool,
 }
 
 impl Variant {
-    /// The simple one.
+    /// Variant for scenes without principled materials and lights without size.
     pub const SIMPLE: Self = Self { simple: true, wide: false };
-    /// All there are.
+    /// All variants, in the order of their [indices](Self::index).
     pub const ALL: [Self; 4] = [
         Self { simple: false, wide: false },
         Self::SIMPLE,
@@ -33,7 +34,7 @@ impl Variant {
         Self { simple: true, wide: true },
     ];
 
-    /// Its place in [`Variant::ALL`].
+    /// Place of the variant in [`Variant::ALL`].
     pub fn index(self) -> usize {
         usize::from(self.simple) + 2 * usize::from(self.wide)
     }
@@ -44,13 +45,13 @@ impl Variant {
 pub struct Spirv([Cow<'static, [u8]>; Variant::ALL.len()]);
 
 impl Spirv {
-    /// The module of `variant`.
+    /// SPIR-V of `variant`, as bytes.
     pub fn code(&self, variant: Variant) -> &[u8] {
         &self.0[variant.index()]
     }
 }
 
-/// What the program was built with.
+/// Modules that the program was built with.
 pub const SPIRV: Spirv = Spirv([
     Cow::Borrowed(include_bytes!(concat!(env!("OUT_DIR"), "/kernels.spv"))),
     Cow::Borrowed(include_bytes!(concat!(env!("OUT_DIR"), "/kernels.simple.spv"))),
@@ -63,14 +64,14 @@ pub const IMAGE_GROUP: u32 = 8;
 /// Threads in a workgroup of the probe kernel.
 pub const PROBE_GROUP: u32 = 64;
 
-/// The kernels there are.
+/// Kernels by the names of their entry points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EntryPoint {
-    /// Adds samples to the film, looking for light.
+    /// Adds samples to the film, sampling lights at every vertex of a path.
     Path,
-    /// Adds samples to the film, and finds light by chance.
+    /// Adds samples to the film, and finds light by chance alone.
     Reference,
-    /// Adds samples of what the camera's rays meet first.
+    /// Adds samples of features of what the camera's rays meet first.
     Inspect,
     /// Turns the film into displayable pixels.
     Display,
@@ -79,10 +80,10 @@ pub enum EntryPoint {
 }
 
 impl EntryPoint {
-    /// All there are, in order.
+    /// All kernels, in order.
     pub const ALL: [Self; 5] = [Self::Path, Self::Reference, Self::Inspect, Self::Display, Self::Probe];
 
-    /// Its name in the SPIR-V module.
+    /// Name of the entry point in the SPIR-V module.
     pub fn name(self) -> &'static str {
         match self {
             Self::Path => "path",
@@ -93,7 +94,7 @@ impl EntryPoint {
         }
     }
 
-    /// Workgroups that cover the work, in x, y, z.
+    /// Number of workgroups that cover the work, in x, y, z.
     pub fn groups(self, work: &Work) -> [u32; 3] {
         match self {
             Self::Path | Self::Reference | Self::Inspect | Self::Display => {

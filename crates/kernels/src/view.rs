@@ -1,9 +1,9 @@
-//! What the views of the display kernel look at.
+//! Films, legends and filters of the views that the display kernel draws.
 
 use crate::{Feature, PixelFilter, Probe, View};
 
 impl View {
-    /// The film that it is meant for.
+    /// Feature whose film the view is meant for.
     pub fn feature(self) -> Feature {
         match self {
             Self::Hit => Feature::Hit,
@@ -14,7 +14,7 @@ impl View {
         }
     }
 
-    /// What its colours mean, from their first to their last; `None` for colours that mean themselves.
+    /// Legend of the view's colours, from their first to their last; `None` for colours that mean themselves.
     pub fn legend(self, scale: f32) -> Option<String> {
         match self {
             Self::Radiance | Self::Hit | Self::Albedo => None,
@@ -28,19 +28,20 @@ impl View {
 }
 
 impl Feature {
-    /// Whether its values are numbers of things: these have no mean, so that one sample from the pixel's middle has to do.
+    /// Whether the feature's values are numbers of things: these have no mean, so that one sample from the pixel's
+    /// middle has to do.
     pub fn is_index(self) -> bool {
         matches!(self, Self::Object | Self::Material)
     }
 
-    /// The filter for its samples, where the picture has `chosen`.
+    /// Filter for the feature's samples, where the picture has `chosen`.
     pub fn filter(self, chosen: u32) -> u32 {
         if self.is_index() { PixelFilter::Point as u32 } else { chosen }
     }
 }
 
 impl Probe {
-    /// Whether only the kernels for any scene answer it.
+    /// Whether only the kernels for any scene answer the probe.
     pub fn is_full(self) -> bool {
         matches!(self, Self::PrincipledEval | Self::PrincipledSample | Self::PrincipledEnergy)
     }

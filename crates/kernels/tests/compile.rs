@@ -5,7 +5,7 @@ use std::path::Path;
 use raggio_kernels::compile::{CompileError, FOLDER, spirv};
 use raggio_kernels::{SPIRV, Spirv};
 
-/// The outcome for a copy of the kernels in which `old` of one file reads `new`.
+/// Compiles a copy of the kernels in which `old` of one file reads `new`, and returns the outcome.
 fn edited(file: &str, old: &str, new: &str) -> Result<Spirv, CompileError> {
     let copy = tempfile::tempdir().expect("a temporary folder");
     copy_folder(Path::new(FOLDER), copy.path());

@@ -1,4 +1,4 @@
-//! The SPIR-V modules, by Khronos' validator.
+//! Validity of the SPIR-V modules, by Khronos' validator.
 
 use std::io::Write;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use raggio_kernels::{SPIRV, Variant};
 
-/// All variants, and the capabilities that they may need.
+/// SPIR-V of all variants, and the capabilities that they may need.
 fn modules() -> impl Iterator<Item = (Vec<u8>, &'static [u32])> {
     const SHADER: u32 = 1;
     const PHYSICAL_STORAGE_BUFFER_ADDRESSES: u32 = 5347;
@@ -46,7 +46,7 @@ fn validate(module: &[u8]) {
 
 #[test]
 fn kernels_need_no_other_capability() {
-    // Any other would have to be among the features that a device is checked for.
+    // Any other capability would have to be among the features that a device is checked for.
     const OP_CAPABILITY: u32 = 17;
     for (module, known) in modules() {
         let words: Vec<u32> = bytemuck::allocation::pod_collect_to_vec(&module);

@@ -1,6 +1,6 @@
 //! Colours as files store them, made linear.
 
-/// The inverse of the sRGB transfer function (IEC 61966-2-1), for values of 0 to 1; others stay what they are.
+/// Inverse of the sRGB transfer function (IEC 61966-2-1), for values of 0 to 1; others stay what they are.
 pub(crate) fn linear_from_srgb(value: f32) -> f32 {
     if !(0.0..=1.0).contains(&value) {
         value

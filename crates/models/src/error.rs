@@ -4,7 +4,7 @@ use std::fmt;
 
 /// A problem of a mesh file, and its place.
 ///
-/// Displayed as `file:line: message`, `file: byte 84: message`, or `file: message`.
+/// The error is displayed as `file:line: message`, `file: byte 84: message`, or `file: message`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{file}{place}: {message}")]
 pub struct ModelError {

@@ -11,7 +11,7 @@ use raggio_images::Bitmap;
 pub struct Principled {
     /// Reflected colour of the diffuse part, or of a metal at normal incidence; each 0 to 1.
     pub base_color: [f32; 3],
-    /// RGB multiplies `base_color`, A multiplies `alpha`; RGB is stored as sRGB.
+    /// Texture whose RGB multiplies `base_color` and whose A multiplies `alpha`; RGB is stored as sRGB.
     pub base_color_texture: Option<Texture>,
     /// Coverage, 0 to 1; see `alpha_mode`.
     pub alpha: f32,
@@ -21,37 +21,37 @@ pub struct Principled {
     pub metallic: f32,
     /// Perceptual roughness, from 0 smooth to 1; GGX's width is its square.
     pub roughness: f32,
-    /// G multiplies `roughness`, B multiplies `metallic`; linear.
+    /// Texture whose G multiplies `roughness` and whose B multiplies `metallic`; linear.
     pub metallic_roughness_texture: Option<Texture>,
     /// Normals in the tangent space of the texture's coordinates; linear.
     pub normal_texture: Option<Texture>,
-    /// Multiplies the x and y of `normal_texture`.
+    /// Factor of the x and y of `normal_texture`.
     pub normal_scale: f32,
     /// Emitted radiance, strength included.
     pub emissive: [f32; 3],
-    /// RGB multiplies `emissive`; stored as sRGB.
+    /// Texture whose RGB multiplies `emissive`; stored as sRGB.
     pub emissive_texture: Option<Texture>,
     /// Refractive index, at least 1; 0 stands for an infinite one (no Fresnel effect).
     pub ior: f32,
     /// Strength of the specular reflection of dielectrics, 0 to 1.
     pub specular: f32,
-    /// A multiplies `specular`; linear.
+    /// Texture whose A multiplies `specular`; linear.
     pub specular_texture: Option<Texture>,
     /// Colour of the specular reflection of dielectrics at normal incidence, 0 and more.
     pub specular_color: [f32; 3],
-    /// RGB multiplies `specular_color`; stored as sRGB.
+    /// Texture whose RGB multiplies `specular_color`; stored as sRGB.
     pub specular_color_texture: Option<Texture>,
     /// Part of the light that is refracted into the body instead of scattered diffusely, 0 to 1.
     pub transmission: f32,
-    /// R multiplies `transmission`; linear.
+    /// Texture whose R multiplies `transmission`; linear.
     pub transmission_texture: Option<Texture>,
     /// Part of the diffuse light that leaves on the other side, 0 to 1.
     pub diffuse_transmission: f32,
-    /// A multiplies `diffuse_transmission`; linear.
+    /// Texture whose A multiplies `diffuse_transmission`; linear.
     pub diffuse_transmission_texture: Option<Texture>,
     /// Colour of the diffusely transmitted light.
     pub diffuse_transmission_color: [f32; 3],
-    /// RGB multiplies `diffuse_transmission_color`; stored as sRGB.
+    /// Texture whose RGB multiplies `diffuse_transmission_color`; stored as sRGB.
     pub diffuse_transmission_color_texture: Option<Texture>,
     /// Whether the surface is an infinitely thin sheet: transmitted light is not bent, and there is no inside.
     pub thin_walled: bool,
@@ -65,33 +65,34 @@ pub struct Principled {
     pub priority: i32,
     /// Strength of the clear coat, 0 to 1.
     pub clearcoat: f32,
-    /// R multiplies `clearcoat`; linear.
+    /// Texture whose R multiplies `clearcoat`; linear.
     pub clearcoat_texture: Option<Texture>,
     /// Perceptual roughness of the clear coat, 0 to 1.
     pub clearcoat_roughness: f32,
-    /// G multiplies `clearcoat_roughness`; linear.
+    /// Texture whose G multiplies `clearcoat_roughness`; linear.
     pub clearcoat_roughness_texture: Option<Texture>,
     /// Normals of the coat; without it the coat has the geometry's.
     pub clearcoat_normal_texture: Option<Texture>,
-    /// Multiplies the x and y of `clearcoat_normal_texture`.
+    /// Factor of the x and y of `clearcoat_normal_texture`.
     pub clearcoat_normal_scale: f32,
     /// Reflectance of the sheen at grazing angles; black is no sheen.
     pub sheen_color: [f32; 3],
-    /// RGB multiplies `sheen_color`; stored as sRGB.
+    /// Texture whose RGB multiplies `sheen_color`; stored as sRGB.
     pub sheen_color_texture: Option<Texture>,
     /// Perceptual roughness of the sheen, 0 to 1.
     pub sheen_roughness: f32,
-    /// A multiplies `sheen_roughness`; linear.
+    /// Texture whose A multiplies `sheen_roughness`; linear.
     pub sheen_roughness_texture: Option<Texture>,
     /// Stretch of the highlights, 0 to 1.
     pub anisotropy: f32,
     /// Angle of the stretch from the tangent in radians, counter-clockwise.
     pub anisotropy_rotation: f32,
-    /// RG is a direction in [-1, 1] that is turned by `anisotropy_rotation`, B multiplies `anisotropy`; linear.
+    /// Texture whose RG is a direction in [-1, 1] that is turned by `anisotropy_rotation`, and whose B multiplies
+    /// `anisotropy`; linear.
     pub anisotropy_texture: Option<Texture>,
     /// Strength of the thin film, 0 to 1.
     pub iridescence: f32,
-    /// R multiplies `iridescence`; linear.
+    /// Texture whose R multiplies `iridescence`; linear.
     pub iridescence_texture: Option<Texture>,
     /// Refractive index of the film.
     pub iridescence_ior: f32,
@@ -99,7 +100,7 @@ pub struct Principled {
     pub iridescence_thickness_minimum: f32,
     /// Thickness of the film in nanometres where `iridescence_thickness_texture` is 1, or where there is none.
     pub iridescence_thickness_maximum: f32,
-    /// G chooses between the two thicknesses; linear.
+    /// Texture whose G chooses between the two thicknesses; linear.
     pub iridescence_thickness_texture: Option<Texture>,
 }
 
@@ -188,7 +189,7 @@ impl Texture {
     /// The transform that changes nothing.
     pub const IDENTITY: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
-    /// `image` as glTF's defaults lay it: repeated, filtered, by the first set of coordinates.
+    /// Texture that shows `image` by glTF's defaults: repeated, filtered, by the first set of coordinates.
     pub fn new(image: Arc<Bitmap>) -> Self {
         Self { image, uv_set: 0, transform: Self::IDENTITY, wrap: [Wrap::Repeat; 2], filter: TextureFilter::Linear }
     }

@@ -13,16 +13,17 @@ pub struct Mesh {
     pub positions: Vec<[f32; 3]>,
     /// Normals as stored, of any length; zero where a vertex has none and the triangle's own normal is meant.
     pub normals: Option<Vec<[f32; 3]>>,
-    /// Two sets of texture coordinates, as stored.
+    /// Texture coordinates of the vertices, two sets, as stored.
     pub uvs: [Option<Vec<[f32; 2]>>; 2],
-    /// Linear red, green, blue, alpha, usually 0 to 1; they multiply a material's base colour and alpha.
+    /// Colours of the vertices: linear red, green, blue, alpha, usually 0 to 1; they multiply a material's base colour
+    /// and alpha.
     pub colors: Option<Vec<[f32; 4]>>,
     /// Unit tangents along increasing u of the normal map's coordinates; the fourth component, 1 or -1, times normal x
     /// tangent is the bitangent.
     pub tangents: Option<Vec<[f32; 4]>>,
     /// Indices of vertices, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// Ranges of `triangles`, in order and without gaps.
+    /// Parts of the mesh: ranges of `triangles`, in order and without gaps.
     pub parts: Vec<Part>,
 }
 
@@ -31,7 +32,7 @@ pub struct Mesh {
 pub struct Part {
     /// Name of the file's group, object or solid; may be empty. Shared, because one name may have many parts.
     pub name: Arc<str>,
-    /// An index into [`Model::materials`](crate::Model::materials).
+    /// Material of the part, an index into [`Model::materials`](crate::Model::materials).
     pub material: Option<usize>,
     /// Range of [`Mesh::triangles`].
     pub triangles: Range<usize>,

@@ -26,8 +26,9 @@ pub fn parse_stl(bytes: &[u8], name: &str) -> Result<MeshFile, ModelError> {
     MeshFile::cleaned(mesh, warnings, degenerate).map_err(|fault| fault.of(name))
 }
 
-/// A length that fits the declared count decides for binary, because binary headers may begin with "solid", too. No
-/// ascii file can fit: four characters of text in the place of the count declare more than 25 GB.
+/// Reads a binary or ascii file. A length that fits the declared count decides for binary, because binary headers may
+/// begin with "solid", too. No ascii file can fit: four characters of text in the place of the count declare more than
+/// 25 GB.
 fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<(Mesh, usize), Fault> {
     let declared = binary_length(bytes);
     if declared == Some(bytes.len() as u64) {

@@ -115,7 +115,7 @@ pub fn is_model(path: &Path) -> bool {
     has_extension(path, &["gltf", "glb", "ply", "obj", "stl"])
 }
 
-/// Whether the file's format has animations; other formats are equal at every time.
+/// Whether the file's format has animations; files of other formats are equal at every time.
 fn is_animated(path: &Path) -> bool {
     has_extension(path, &["gltf", "glb"])
 }

@@ -2,8 +2,8 @@
 
 /// A problem of a scene, and its place.
 ///
-/// Displayed as `file:line:column: message`, as `file:line: message` (a model's), or as `file: message` when there is no
-/// place to name.
+/// The error is displayed as `file:line:column: message`, as `file:line: message` (a model's), or as `file: message`
+/// when there is no place to name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}: {message}", place(.file, *.line, *.column))]
 pub struct SceneError {
@@ -24,7 +24,7 @@ impl SceneError {
     }
 }
 
-/// `file:line:column`, without the numbers that are 0.
+/// Place of an error as `file:line:column`, without the numbers that are 0.
 pub(crate) fn place(file: &str, line: usize, column: usize) -> String {
     match (line, column) {
         (0, _) => file.to_string(),

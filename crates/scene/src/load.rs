@@ -18,7 +18,7 @@ use crate::scene::Scene;
 use crate::showing;
 use crate::source::{Document, MOST_WARNINGS, error_after};
 
-/// Larger files are refused before they are read; text of this size is a few million shapes.
+/// Most bytes of a scene file: larger ones are refused before they are read; text of this size is a few million shapes.
 const MOST_BYTES: u64 = 64 << 20;
 
 impl Scene {

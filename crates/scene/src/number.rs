@@ -1,6 +1,6 @@
 //! Numbers that check their own range when they are read, and describe it in the schema.
 //!
-//! They stay 64-bit floats until the scene is built, so that too large a number is an error and
+//! Numbers stay 64-bit floats until the scene is built, so that too large a number is an error and
 //! not infinity, and one that 32 bits would round to zero is an error where zero is one.
 
 use std::borrow::Cow;
@@ -30,7 +30,7 @@ impl fmt::Display for Rule {
     }
 }
 
-/// `Ok` when the condition holds; NaN fails every comparison, so conditions are written positively.
+/// Checks a condition: `Ok` when it holds. NaN fails every comparison, so conditions are written positively.
 fn require(condition: bool, must: impl Into<String>, advice: &'static str) -> Result<(), Rule> {
     let must = must.into();
     if condition { Ok(()) } else { Err(Rule { must, advice }) }

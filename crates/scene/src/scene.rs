@@ -23,7 +23,7 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Shapes in the order of the file; a model may become many.
     pub shapes: Vec<Shape>,
-    /// Entries for each `[[shapes]]` of the file.
+    /// Results of each `[[shapes]]` of the file, in its order.
     pub entries: Vec<Entry>,
     /// Lights without size, which came with models.
     pub lights: Vec<Light>,
@@ -32,7 +32,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Shapes that the `[[shapes]]` of this place in the file became; none where the file has none there.
+    /// Shapes that the `[[shapes]]` of number `entry` in the file became; none where the file has no such entry.
     pub fn shapes_of(&self, entry: usize) -> &[Shape] {
         self.entries.get(entry).and_then(|entry| self.shapes.get(entry.shapes.clone())).unwrap_or_default()
     }
@@ -230,7 +230,7 @@ impl Material {
 /// Choice of a dielectric between reflection and refraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reflection {
-    /// Fresnel's equations.
+    /// Fresnel's equations, from the angle of incidence.
     Fresnel,
     /// Probability of reflection, 0 to 1, at every angle.
     Probability(f32),
@@ -281,7 +281,7 @@ pub struct Placement {
     pub scale: Vec3,
 }
 
-/// The kinds of geometry.
+/// Kinds of geometry.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Geometry {
     /// A sphere of positive radius.

@@ -1,6 +1,6 @@
 //! A scene that shows a model: a camera that sees all of it, a ground below it, a sky above.
 //!
-//! It is made as text, so that it can be read like any other, edited and saved.
+//! The scene is made as text, so that it can be read like any other, edited and saved.
 
 use std::fmt::Write;
 use std::path::Path;

@@ -257,7 +257,7 @@ proptest! {
         read(&text);
     }
 
-    /// Every place of the example, with numbers that are hard to keep in 32 bits.
+    /// Numbers that are hard to keep in 32 bits stand at every place of the example.
     #[test]
     fn extreme_numbers(
         changes in prop::collection::vec((any::<usize>(), -1e16..1e16f64, -20..16i32), 1..8),

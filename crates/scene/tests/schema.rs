@@ -52,7 +52,7 @@ fn it_accepts_what_the_reader_accepts() {
     validator.validate(&json_of(&changed)).unwrap();
 }
 
-/// These keys name files, which a schema knows nothing of.
+/// Keys that name files are accepted: a schema knows nothing of files.
 #[test]
 fn it_accepts_what_names_files() {
     let validator = jsonschema::validator_for(&schema()).unwrap();

@@ -7,14 +7,14 @@ use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 use crate::device::Device;
 use crate::error::{During, VulkanError};
 
-/// Where a buffer lives.
+/// Memory that a buffer lives in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Location {
-    /// In the device's memory, for kernels.
+    /// The device's memory, for kernels.
     Device,
-    /// In memory the host writes and the device copies from.
+    /// Memory that the host writes and the device copies from.
     Upload,
-    /// In memory the device copies to and the host reads.
+    /// Memory that the device copies to and the host reads.
     Readback,
 }
 
@@ -29,9 +29,10 @@ pub struct Buffer {
 }
 
 impl Buffer {
-    /// `size` bytes (at least 1 is taken), undefined until written. `what` names it in errors.
+    /// Makes a buffer of `size` bytes (at least 1 is taken), undefined until written. `what` names it in errors; one
+    /// larger than the device takes is an error.
     pub fn new(device: &Arc<Device>, what: &str, size: u64, location: Location) -> Result<Self, VulkanError> {
-        // What cannot be reached by address is reached by a descriptor.
+        // A buffer that cannot be reached by address is reached by a descriptor.
         let addressed = location == Location::Device && device.physical.addresses;
         let limit = match location {
             Location::Device if !addressed => device.max_binding_bytes(),
@@ -77,19 +78,19 @@ impl Buffer {
         Ok(buffer)
     }
 
-    /// Bytes asked for.
+    /// Number of bytes asked for.
     pub fn size(&self) -> u64 {
         self.size
     }
 
-    /// Where kernels find it, if they can reach buffers by address.
+    /// Address at which kernels find the buffer, if they can reach buffers by address.
     pub(crate) fn address(&self) -> Option<u64> {
         let info = vk::BufferDeviceAddressInfo::default().buffer(self.raw);
         // SAFETY: the feature is enabled and the buffer was made for it.
         self.addressed.then(|| unsafe { self.device.raw.get_buffer_device_address(&info) })
     }
 
-    /// An error if descriptors cannot refer to all of it.
+    /// Fails if descriptors cannot refer to the whole buffer.
     pub(crate) fn check_bindable(&self) -> Result<(), VulkanError> {
         let limit = self.device.max_binding_bytes();
         if self.size > limit { Err(self.device.too_large(&self.what, self.size, limit)) } else { Ok(()) }

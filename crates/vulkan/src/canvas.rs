@@ -14,59 +14,60 @@ use crate::surface::{Acquired, Surface, Swapchain};
 
 /// Panels drawn over the picture, as egui describes them.
 pub struct Overlay<'a> {
-    /// Triangles.
+    /// Triangles to draw, in order.
     pub primitives: &'a [egui::ClippedPrimitive],
-    /// Textures that have changed.
+    /// Textures that have changed since the last frame.
     pub textures: egui::TexturesDelta,
     /// Physical pixels in a point of egui.
     pub pixels_per_point: f32,
-    /// The frame is to be [returned](Shown::capture) too.
+    /// Whether the frame's pixels are [returned](Shown::capture) too.
     pub capture: bool,
 }
 
 /// A picture to show.
 pub struct Picture<'a> {
-    /// Its pixels, row by row from the top left: bytes red, green, blue, opacity.
+    /// Pixels of the picture, row by row from the top left: bytes red, green, blue, opacity.
     pub pixels: Pixels<'a>,
-    /// Pixels across and down.
+    /// Size of the picture: pixels across and down.
     pub size: [u32; 2],
 }
 
-/// Where the pixels of a picture are.
+/// Memory that the pixels of a picture are in.
 pub enum Pixels<'a> {
-    /// In the host's memory.
+    /// Pixels in the host's memory.
     Host(&'a [u8]),
-    /// In a device's memory; reaching the canvas is fastest from its own device.
+    /// Pixels in a device's memory; reaching the canvas is fastest from its own device.
     Device(&'a Buffer),
 }
 
 /// Part of a canvas, in pixels from its top left.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Area {
-    /// From the left edge.
+    /// Distance from the canvas' left edge.
     pub left: u32,
-    /// From the top edge.
+    /// Distance from the canvas' top edge.
     pub top: u32,
-    /// Across.
+    /// Pixels across.
     pub width: u32,
-    /// Down.
+    /// Pixels down.
     pub height: u32,
 }
 
-/// What became of a frame.
+/// Fate of a frame that was drawn.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Shown {
-    /// False while there is nothing to draw into, as when the window is minimised, or about to be made anew.
+    /// Whether the frame was drawn: false while there is nothing to draw into, as when the window is minimised, or
+    /// about to be made anew.
     pub visible: bool,
-    /// Spent waiting for the display.
+    /// Time spent waiting for the display.
     pub waited: Duration,
-    /// The pixels of the frame, if asked for and if the display lets them be read: bytes red, green, blue, opacity.
+    /// Pixels of the frame, if asked for and if the display lets them be read: bytes red, green, blue, opacity.
     pub capture: Option<Vec<u8>>,
 }
 
-/// Where frames are drawn: a window, or an image that nobody sees. Both take the same way.
+/// Target of frames: a window, or an image that nobody sees. Both take the same way.
 pub struct Canvas {
-    // In the order in which they have to go.
+    // The fields stand in the order in which they have to be dropped.
     panels: Panels,
     framebuffers: Vec<Framebuffer>,
     target: Target,
@@ -82,14 +83,14 @@ enum Target {
 }
 
 impl Canvas {
-    /// In a window.
+    /// Makes a canvas that shows its frames in a window, of `size` pixels where the window leaves the choice.
     pub fn for_window(device: &Arc<Device>, surface: Surface, size: [u32; 2]) -> Result<Self, VulkanError> {
         let swapchain = Swapchain::new(device, &surface, size, None)?;
         let format = surface.format(device.physical())?.format;
         Self::new(device, Target::Window { swapchain, surface, fits: true }, format)
     }
 
-    /// In memory.
+    /// Makes a canvas of `size` pixels in memory, which nobody sees.
     pub fn hidden(device: &Arc<Device>, size: [u32; 2]) -> Result<Self, VulkanError> {
         let image = Image::new(device, size[0].max(1), size[1].max(1))?;
         Self::new(device, Target::Hidden(image), FORMAT)
@@ -103,7 +104,7 @@ impl Canvas {
         Ok(canvas)
     }
 
-    /// Size in pixels; zero while there is nothing to draw into.
+    /// Size in pixels, across and down; zero while there is nothing to draw into.
     pub fn size(&self) -> [u32; 2] {
         match &self.target {
             Target::Window { swapchain, .. } => {
@@ -114,12 +115,12 @@ impl Canvas {
         }
     }
 
-    /// Of this size from now on, if it is not yet.
+    /// Resizes the canvas to `size` pixels, if it has another size.
     pub fn resize_to(&mut self, size: [u32; 2]) -> Result<(), VulkanError> {
         if size == self.size() { Ok(()) } else { self.resize(size) }
     }
 
-    /// Gives up its window, of which there can be only one canvas; what was hidden stays.
+    /// Gives up the canvas' window, of which there can be only one canvas; a hidden canvas stays.
     pub fn release(&mut self) {
         self.framebuffers.clear();
         if let Target::Window { .. } = self.target {
@@ -127,12 +128,12 @@ impl Canvas {
         }
     }
 
-    /// Follows the window's size.
+    /// Resizes the canvas to `size` pixels, and makes all anew even if that is no change.
     pub fn resize(&mut self, size: [u32; 2]) -> Result<(), VulkanError> {
         self.framebuffers.clear();
         match &mut self.target {
             Target::Window { swapchain, surface, fits } => {
-                // Until all is made anew.
+                // The swapchain does not fit until all is made anew.
                 *fits = false;
                 *swapchain = Swapchain::new(&self.device, surface, size, swapchain.as_ref())?;
                 *fits = true;
@@ -281,14 +282,14 @@ impl Canvas {
 }
 
 impl Area {
-    /// `[left, top, right, bottom]` of what is inside a canvas of `size`; `None` if nothing is.
+    /// Part inside a canvas of `size`, as `[left, top, right, bottom]` in pixels; `None` if nothing is.
     fn inside(self, size: [u32; 2]) -> Option<[i32; 4]> {
         let (right, bottom) = ((self.left + self.width).min(size[0]), (self.top + self.height).min(size[1]));
         (self.left < right && self.top < bottom).then(|| [self.left, self.top, right, bottom].map(|x| x as i32))
     }
 }
 
-/// egui's triangles on the GPU.
+/// Renderer of egui's triangles on the GPU, with all that it draws through.
 struct Panels {
     renderer: Renderer<GpuAllocator>,
     render_pass: vk::RenderPass,
@@ -299,7 +300,7 @@ struct Panels {
 
 impl Panels {
     fn new(device: &Arc<Device>, format: vk::Format) -> Result<Self, VulkanError> {
-        // Drawn over what is there; the passes around it change the layout.
+        // The panels are drawn over what is there; the passes around them change the layout.
         let attachment = [vk::AttachmentDescription::default()
             .format(format)
             .samples(vk::SampleCountFlags::TYPE_1)
@@ -358,7 +359,7 @@ impl Drop for Panels {
     }
 }
 
-/// A device that is lost is no fault of the panels.
+/// Names the panels in an error; a lost device is no fault of theirs.
 fn panels(error: RendererError) -> VulkanError {
     match error {
         RendererError::Vulkan(result) => Err::<(), _>(result).during("drawing the panels").unwrap_err(),
@@ -366,7 +367,7 @@ fn panels(error: RendererError) -> VulkanError {
     }
 }
 
-/// An image of the target as something to draw on.
+/// Image of the target as something to draw on.
 struct Framebuffer {
     raw: vk::Framebuffer,
     view: vk::ImageView,

@@ -7,12 +7,12 @@ use crate::buffer::Buffer;
 use crate::device::Device;
 use crate::error::{During, VulkanError};
 
-/// What a descriptor set holds.
+/// Kind of descriptors in a descriptor set.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SetLayout {
-    /// Storage buffers, at these bindings.
+    /// Storage buffers at these bindings.
     Buffers(Vec<u32>),
-    /// At binding 0 a uniform buffer with the addresses of buffers, one behind the other.
+    /// Uniform buffer at binding 0 with the addresses of buffers, one behind the other.
     Addresses,
 }
 
@@ -25,24 +25,25 @@ pub struct Module {
     device: Arc<Device>,
 }
 
-/// One entry point, ready to run.
+/// Entry point of a module, ready to run.
 pub struct Pipeline {
     pub(crate) raw: vk::Pipeline,
     pub(crate) module: Arc<Module>,
 }
 
-/// The buffers of one descriptor set.
+/// Buffers bound to one descriptor set.
 pub struct BindingSet {
     pub(crate) raw: vk::DescriptorSet,
     pub(crate) index: u32,
     pool: vk::DescriptorPool,
     pub(crate) module: Arc<Module>,
-    // Kept alive for as long as the set refers to them.
+    // The buffers are kept alive for as long as the set refers to them.
     _buffers: Vec<Arc<Buffer>>,
 }
 
 impl Module {
-    /// `sets` lists what each descriptor set holds; `push_bytes` is the size of the push block.
+    /// Makes a module of `spirv`; `sets` lists what each descriptor set holds, `push_bytes` is the size of the push
+    /// block.
     pub fn new(
         device: &Arc<Device>,
         spirv: &[u8],
@@ -56,7 +57,7 @@ impl Module {
             shader: vk::ShaderModule::null(),
             device: device.clone(),
         };
-        // Copied for its alignment: SPIR-V is made of 32-bit words.
+        // The code is copied for its alignment: SPIR-V is made of 32-bit words.
         let code: Vec<u32> = bytemuck::allocation::pod_collect_to_vec(spirv);
         // SAFETY: the structures live until the calls return. The SPIR-V is ours and was validated in tests. `module`
         // destroys what was made when a later call fails.
@@ -89,7 +90,7 @@ impl Module {
         Ok(Arc::new(module))
     }
 
-    /// Whether its kernels can be given `set`: sets of modules that lay them out alike are interchangeable.
+    /// Whether the module's kernels can be given `set`: sets of modules that lay them out alike are interchangeable.
     pub(crate) fn takes(&self, set: &BindingSet) -> bool {
         Arc::ptr_eq(&self.device, &set.module.device) && self.set_layout(set.index) == set.module.set_layout(set.index)
     }
@@ -98,7 +99,7 @@ impl Module {
         self.sets.get(index as usize).map(|(layout, _)| layout)
     }
 
-    /// The pipeline of the entry point `name`, whose specialization constant 0, if it has one, is `constant`.
+    /// Makes the pipeline of the entry point `name`, whose specialization constant 0, if it has one, is `constant`.
     pub fn pipeline(self: &Arc<Self>, name: &str, constant: u32) -> Result<Pipeline, VulkanError> {
         let entry = CString::new(name).unwrap_or_default();
         let constant = constant.to_ne_bytes();
@@ -116,7 +117,8 @@ impl Module {
         Ok(Pipeline { raw, module: self.clone() })
     }
 
-    /// A set for descriptor set `index` that refers to `buffers`, by binding number, or by address in their order.
+    /// Makes a set for descriptor set `index` that refers to `buffers`, by binding number, or by address in their
+    /// order.
     pub fn bind(self: &Arc<Self>, index: u32, buffers: &[(u32, Arc<Buffer>)]) -> Result<BindingSet, VulkanError> {
         if self.sets[index as usize].0 != SetLayout::Addresses {
             buffers.iter().try_for_each(|(_, buffer)| buffer.check_bindable())?;
@@ -131,7 +133,7 @@ impl Module {
         self.descriptors(index, vk::DescriptorType::UNIFORM_BUFFER, &[(0, Arc::new(table))], buffers)
     }
 
-    /// A set of descriptors of one kind; it keeps the buffers `reached` through them alive.
+    /// Makes a set of descriptors of one kind; it keeps the buffers `reached` through them alive.
     fn descriptors(
         self: &Arc<Self>,
         index: u32,

@@ -13,13 +13,13 @@ use crate::instance::PhysicalDevice;
 pub struct Device {
     pub(crate) raw: ash::Device,
     pub(crate) physical: PhysicalDevice,
-    // Freed by hand in `Drop`, before the device.
+    // The allocator is freed by hand in `Drop`, before the device.
     allocator: ManuallyDrop<Arc<Mutex<Allocator>>>,
-    /// Set by [`Device::pretend_lost`].
+    /// Whether submissions fail, set by [`Device::pretend_lost`].
     pub(crate) lost: AtomicBool,
-    /// Set by [`Device::pretend_small_bindings`].
+    /// Limit on the bytes that a descriptor refers to, set by [`Device::pretend_small_bindings`].
     most_binding_bytes: AtomicU64,
-    // One submission at a time: the lock is held while it is recorded and waited for.
+    // Only one submission runs at a time: the lock is held while it is recorded and waited for.
     pub(crate) queue: Mutex<Queue>,
 }
 
@@ -90,7 +90,7 @@ impl Device {
         }
     }
 
-    /// What the driver says of it.
+    /// Description of the device by its driver.
     pub fn physical(&self) -> &PhysicalDevice {
         &self.physical
     }
@@ -107,7 +107,8 @@ impl Device {
         self.physical.addresses
     }
 
-    /// An error that says both numbers if `what`, which takes `needed` bytes, does not fit what is free.
+    /// Fails, with both numbers in the error, if `what`, which takes `needed` bytes, does not fit the memory that is
+    /// free.
     pub fn check_room(&self, what: &str, needed: u64) -> Result<(), VulkanError> {
         let free = self.physical.free_bytes();
         if needed <= free {
@@ -120,24 +121,24 @@ impl Device {
         VulkanError::TooLarge { what: what.into(), name: self.physical.name.clone(), needed, limit }
     }
 
-    /// Bytes of memory in use on it, as far as this program goes.
+    /// Bytes of the device's memory in use, as far as this program goes.
     pub fn allocated_bytes(&self) -> u64 {
         self.allocator().generate_report().total_allocated_bytes
     }
 
-    /// From now on every submission fails as if the driver had reset the device: what follows a loss can be tried out
-    /// on machines that lose none.
+    /// Makes every submission from now on fail as if the driver had reset the device: what follows a loss can be tried
+    /// out on machines that lose none.
     pub fn pretend_lost(&self) {
         self.lost.store(true, Ordering::Relaxed);
     }
 
-    /// From now on descriptors refer to no more than `bytes` of a buffer: how devices with small limits fare can be tried
-    /// out on others.
+    /// Makes descriptors refer to no more than `bytes` of a buffer from now on: how devices with small limits fare can
+    /// be tried out on others.
     pub fn pretend_small_bindings(&self, bytes: u64) {
         self.most_binding_bytes.store(bytes, Ordering::Relaxed);
     }
 
-    /// For a library that allocates by itself; to be given back before the device goes.
+    /// Allocator for a library that allocates by itself; to be given back before the device goes.
     #[cfg(feature = "window")]
     pub(crate) fn shared_allocator(&self) -> Arc<Mutex<Allocator>> {
         Arc::clone(&self.allocator)

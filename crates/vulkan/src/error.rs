@@ -1,6 +1,6 @@
 use ash::vk;
 
-/// What can go wrong with Vulkan.
+/// Failures of Vulkan, one sentence each for the user.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum VulkanError {
@@ -27,48 +27,48 @@ pub enum VulkanError {
     /// The device lacks what the kernels need.
     #[error("{name} lacks {missing}, which the kernels need")]
     Unfit {
-        /// The device's name.
+        /// Name of the device.
         name: String,
-        /// What it lacks.
+        /// Features that the device lacks.
         missing: String,
     },
     /// A buffer is larger than the device can bind or allocate.
     #[error("{what} needs {needed} bytes in one buffer, and {name} can take {limit} there")]
     TooLarge {
-        /// What was to be stored.
+        /// Name of what was to be stored.
         what: String,
-        /// The device's name.
+        /// Name of the device.
         name: String,
-        /// Its size in bytes.
+        /// Size of what was to be stored, in bytes.
         needed: u64,
-        /// The most the device takes, in bytes.
+        /// Most bytes that the device takes.
         limit: u64,
     },
     /// An image has more pixels on a side than the device can draw.
     #[error("{name} can draw {limit} pixels on a side, and a picture of {width}x{height} is larger")]
     ImageTooLarge {
-        /// Across.
+        /// Pixels across.
         width: u32,
-        /// Down.
+        /// Pixels down.
         height: u32,
-        /// The device's name.
+        /// Name of the device.
         name: String,
-        /// The most pixels on a side.
+        /// Most pixels on a side.
         limit: u32,
     },
     /// What is to be stored takes more memory than is free.
     #[error("{what} needs {:.2} GiB of memory on {name}, which has {:.2} GiB free", gib(*needed), gib(*free))]
     NoRoom {
-        /// What was to be stored.
+        /// Name of what was to be stored.
         what: String,
-        /// The device's name.
+        /// Name of the device.
         name: String,
-        /// Bytes that it takes.
+        /// Bytes that are needed.
         needed: u64,
         /// Bytes that are free.
         free: u64,
     },
-    /// Not enough memory.
+    /// The device or the host has too little memory left for the named purpose.
     #[error("out of memory on the device: {0}")]
     OutOfMemory(String),
     /// The panels over the picture cannot be drawn.
@@ -83,9 +83,9 @@ pub enum VulkanError {
     /// Any other failure of a Vulkan call.
     #[error("{call} failed: {result}")]
     Call {
-        /// The call.
+        /// Name of the call.
         call: &'static str,
-        /// Its result.
+        /// Result of the call.
         result: vk::Result,
     },
 }
@@ -94,7 +94,7 @@ fn gib(bytes: u64) -> f64 {
     bytes as f64 / f64::from(1 << 30)
 }
 
-/// Names the call in the error.
+/// Names the Vulkan call in the error of a result.
 pub(crate) trait During<T> {
     fn during(self, call: &'static str) -> Result<T, VulkanError>;
 }

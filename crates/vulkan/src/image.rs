@@ -7,7 +7,7 @@ use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 use crate::device::Device;
 use crate::error::{During, VulkanError};
 
-/// All of a colour image.
+/// Range of a colour image that covers all of it.
 pub(crate) const COLOR: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
     aspect_mask: vk::ImageAspectFlags::COLOR,
     base_mip_level: 0,
@@ -16,7 +16,7 @@ pub(crate) const COLOR: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
     layer_count: 1,
 };
 
-/// The same, for copies.
+/// Layers of a colour image that a copy covers: all of them.
 pub(crate) const COLOR_LAYER: vk::ImageSubresourceLayers = vk::ImageSubresourceLayers {
     aspect_mask: vk::ImageAspectFlags::COLOR,
     mip_level: 0,
@@ -37,7 +37,8 @@ pub(crate) struct Image {
 }
 
 impl Image {
-    /// Undefined until filled.
+    /// Makes an image of `width` times `height` pixels, undefined until filled; one larger than the device draws is an
+    /// error.
     pub fn new(device: &Arc<Device>, width: u32, height: u32) -> Result<Self, VulkanError> {
         let limit = device.physical.limits.max_image_dimension2_d;
         if width.max(height) > limit {

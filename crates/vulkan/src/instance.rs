@@ -8,26 +8,26 @@ use raw_window_handle::RawDisplayHandle;
 
 use crate::error::{During, VulkanError};
 
-/// Storage buffers that a kernel may bind at once on any device that counts as fit.
+/// Number of storage buffers that a kernel may bind at once on any device that counts as fit.
 pub const STORAGE_BUFFERS: u32 = 32;
 
-/// What kind of processor is behind a device.
+/// Kind of processor behind a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeviceKind {
-    /// A card of its own.
+    /// Graphics card of its own.
     Discrete,
-    /// Part of the processor.
+    /// GPU that is part of the processor.
     Integrated,
-    /// A GPU seen through a virtual machine.
+    /// GPU seen through a virtual machine.
     Virtual,
-    /// The processor itself: for tests.
+    /// Processor itself: for tests.
     Software,
-    /// Anything else.
+    /// Device of any other kind.
     Other,
 }
 
 impl DeviceKind {
-    /// One word.
+    /// Name of the kind in one word.
     pub fn name(self) -> &'static str {
         match self {
             Self::Discrete => "discrete",
@@ -39,7 +39,7 @@ impl DeviceKind {
     }
 }
 
-/// A device as the driver describes it.
+/// Description of a device by its driver.
 #[derive(Clone)]
 pub struct PhysicalDevice {
     instance: Arc<Instance>,
@@ -49,43 +49,44 @@ pub struct PhysicalDevice {
     pub(crate) max_buffer_size: u64,
     /// Place in the driver's list: the N of `vulkan:N`.
     pub index: usize,
-    /// The device's name.
+    /// Name of the device.
     pub name: String,
-    /// The driver's name and version.
+    /// Name and version of the driver.
     pub driver: String,
-    /// What kind of processor it is.
+    /// Kind of processor behind the device.
     pub kind: DeviceKind,
-    /// Its own memory, in bytes.
+    /// Bytes of the device's own memory.
     pub memory_bytes: u64,
-    /// Kernels can reach buffers by address, and so more of them than `max_storage_buffer_range`.
+    /// Whether kernels can reach buffers by address, and so more of them than `max_storage_buffer_range`.
     pub(crate) addresses: bool,
-    /// It can draw panels, not only compute.
+    /// Whether the device can draw panels, not only compute.
     pub draws: bool,
-    /// What the kernels need and it does not have; usable if empty.
+    /// Features that the kernels need and the device lacks; it is usable if there is none.
     pub missing: Vec<String>,
 }
 
 impl PhysicalDevice {
-    /// Whose device it is.
+    /// Connection to the loader through which the device was found.
     pub fn instance(&self) -> &Arc<Instance> {
         &self.instance
     }
 }
 
-/// The connection to the Vulkan loader.
+/// Connection to the Vulkan loader.
 pub struct Instance {
     pub(crate) raw: ash::Instance,
     debug: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
-    // The messenger holds its address.
+    // The messenger holds the list's address.
     messages: Box<Mutex<Vec<String>>>,
-    /// Windows can be drawn into.
+    /// Whether windows can be drawn into.
     pub(crate) presents: bool,
-    // Unloads the loader's library, so it goes last.
+    // The entry unloads the loader's library, so it goes last.
     pub(crate) entry: ash::Entry,
 }
 
 impl Instance {
-    /// Connects to the loader; `validate` turns on the validation layers, with synchronization validation.
+    /// Connects to the loader; `validate` turns on the validation layers, with synchronization validation. Fails
+    /// without a loader or driver, or without the layers.
     pub fn new(validate: bool) -> Result<Arc<Self>, VulkanError> {
         Self::create(validate, &[])
     }
@@ -153,14 +154,14 @@ impl Instance {
         Ok(Arc::new(instance))
     }
 
-    /// All devices, in the driver's order.
+    /// Lists all devices, in the driver's order.
     pub fn devices(self: &Arc<Self>) -> Result<Vec<PhysicalDevice>, VulkanError> {
         // SAFETY: the instance is alive.
         let handles = unsafe { self.raw.enumerate_physical_devices() }.during("vkEnumeratePhysicalDevices")?;
         Ok(handles.into_iter().enumerate().map(|(index, handle)| self.describe(index, handle)).collect())
     }
 
-    /// What the validation layers have said so far; empty when all is well.
+    /// Messages of the validation layers so far; empty when all is well.
     pub fn validation_messages(&self) -> Vec<String> {
         self.messages.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).clone()
     }
@@ -183,7 +184,7 @@ impl Instance {
         };
         let properties = properties.properties;
 
-        // One that can draw too, if there is one: a window's panels are drawn on it.
+        // A queue family that can draw too is taken, if there is one: a window's panels are drawn on it.
         let able = |flags| queues.iter().position(|q| q.queue_flags.contains(flags));
         let drawing = able(vk::QueueFlags::COMPUTE | vk::QueueFlags::GRAPHICS);
         let queue_family = drawing.or_else(|| able(vk::QueueFlags::COMPUTE));
@@ -227,7 +228,7 @@ impl Instance {
 }
 
 impl PhysicalDevice {
-    /// Bytes of its own memory that are free, as far as the driver tells; else all of it.
+    /// Free bytes of the device's own memory, as far as the driver tells; else all of it.
     pub(crate) fn free_bytes(&self) -> u64 {
         let mut budget = vk::PhysicalDeviceMemoryBudgetPropertiesEXT::default();
         let mut memory = vk::PhysicalDeviceMemoryProperties2::default().push_next(&mut budget);
@@ -243,7 +244,7 @@ impl PhysicalDevice {
     }
 }
 
-/// The heaps of the device's own memory, by index.
+/// Heaps of the device's own memory, by index.
 fn own_heaps(memory: &vk::PhysicalDeviceMemoryProperties) -> impl Iterator<Item = (usize, &vk::MemoryHeap)> {
     let own = |(_, heap): &(usize, &vk::MemoryHeap)| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL);
     memory.memory_heaps_as_slice().iter().enumerate().filter(own)
@@ -265,7 +266,7 @@ fn text(name: Result<&CStr, std::ffi::FromBytesUntilNulError>) -> String {
     name.map(|n| n.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
-/// Collects the layers' warnings and errors in `messages`, and prints them.
+/// Collects the layers' warnings and errors in `messages`, and prints them on standard error.
 fn listen(
     entry: &ash::Entry,
     instance: &ash::Instance,

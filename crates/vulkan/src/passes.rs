@@ -12,10 +12,10 @@ use crate::compute::{BindingSet, Pipeline};
 use crate::device::Device;
 use crate::error::{During, VulkanError};
 
-/// After this long without an answer, a single submission counts as hung.
+/// Time after which a single submission without an answer counts as hung.
 const PATIENCE: Duration = Duration::from_secs(600);
 
-/// What a pass does to memory; the barrier between two passes follows from their kinds.
+/// Kind of a pass: what it does to memory. The barrier between two passes follows from their kinds.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Compute,
@@ -69,7 +69,7 @@ pub(crate) struct Around {
 }
 
 impl Device {
-    /// Records passes, submits them and waits until they are done.
+    /// Records passes, submits them and waits until they are done; a lost device is an error.
     pub fn run<'a>(&'a self, record: impl FnOnce(&mut Passes<'a>)) -> Result<(), VulkanError> {
         self.run_around(Around::default(), |passes| {
             record(passes);
@@ -77,7 +77,7 @@ impl Device {
         })
     }
 
-    /// The same, in step with a window's images.
+    /// Runs passes in step with a window's images: waits for semaphores before, and signals others after.
     pub(crate) fn run_around<'a>(
         &'a self,
         around: Around,
@@ -123,7 +123,10 @@ impl<'a> Passes<'a> {
         Self { device, commands, last: None }
     }
 
-    /// Runs `groups` workgroups of a kernel. `push` is its push block.
+    /// Runs `groups` workgroups of a kernel, in x, y and z. `push` holds the bytes of its push block.
+    ///
+    /// # Panics
+    /// If a set is laid out differently from the kernel's module, or `push` is not as long as the module's push block.
     pub fn compute(&mut self, pipeline: &'a Pipeline, sets: &[&'a BindingSet], push: &[u8], groups: [u32; 3]) {
         let module = &pipeline.module;
         assert!(sets.iter().all(|set| module.takes(set)), "the sets are laid out as the kernel's module says");
@@ -142,7 +145,7 @@ impl<'a> Passes<'a> {
         }
     }
 
-    /// Copies a range of one buffer to the place `at` of another.
+    /// Copies a byte range of one buffer to the byte `at` of another.
     ///
     /// # Panics
     /// If either buffer is too small.

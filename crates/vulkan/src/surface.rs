@@ -9,17 +9,17 @@ use crate::device::Device;
 use crate::error::{During, VulkanError};
 use crate::instance::{Instance, PhysicalDevice};
 
-/// A window to draw into.
+/// Window to draw into.
 pub struct Surface {
     raw: vk::SurfaceKHR,
     loader: khr::surface::Instance,
     instance: Arc<Instance>,
-    // The system destroys what is drawn into with the window, so the window has to stay.
+    // The system destroys the surface with its window, so the window has to stay.
     _window: Arc<dyn Any>,
 }
 
 impl Surface {
-    /// Of `window`, with an instance made [for windows](Instance::for_windows).
+    /// Makes the surface of `window`, with an instance made [for windows](Instance::for_windows).
     pub fn new<W: HasDisplayHandle + HasWindowHandle + 'static>(
         instance: &Arc<Instance>,
         window: &Arc<W>,
@@ -33,7 +33,7 @@ impl Surface {
         Ok(Self { raw, loader, instance: instance.clone(), _window: window.clone() })
     }
 
-    /// How its images hold colours.
+    /// Format in which the surface's images hold colours.
     pub(crate) fn format(&self, physical: &PhysicalDevice) -> Result<vk::SurfaceFormatKHR, VulkanError> {
         // SAFETY: device and surface come from one instance.
         let formats = unsafe { self.loader.get_physical_device_surface_formats(physical.handle, self.raw) }
@@ -47,7 +47,7 @@ impl Surface {
             .during("vkGetPhysicalDeviceSurfaceCapabilitiesKHR")
     }
 
-    /// Whether `physical` can show its pictures here.
+    /// Whether the pictures of `physical` can be shown in this window.
     pub fn shows(&self, physical: &PhysicalDevice) -> bool {
         // SAFETY: device and surface come from one instance.
         unsafe { self.loader.get_physical_device_surface_support(physical.handle, physical.queue_family, self.raw) }
@@ -62,12 +62,13 @@ impl Drop for Surface {
     }
 }
 
-/// Where a window is not seen, some systems take no images; the program is not to wait for that to change.
+/// Longest wait for an image: some systems give none for a window that is not seen, and the program is not to wait for
+/// that to change.
 const PATIENCE: Duration = Duration::from_millis(200);
 
-/// What asking for an image to draw into gave.
+/// Outcome of asking for an image to draw into.
 pub(crate) enum Acquired {
-    /// Its place among the swapchain's images.
+    /// Image to draw into, by its place among the swapchain's images.
     Image(usize),
     /// The window is not seen at the moment.
     Hidden,
@@ -75,25 +76,25 @@ pub(crate) enum Acquired {
     Unfit,
 }
 
-/// The images that a window shows in turn.
+/// Images that a window shows in turn.
 pub(crate) struct Swapchain {
     raw: vk::SwapchainKHR,
     loader: khr::swapchain::Device,
     pub images: Vec<vk::Image>,
     pub format: vk::Format,
     pub extent: vk::Extent2D,
-    /// Images can be copied from.
+    /// Whether images can be copied from.
     pub readable: bool,
-    /// Signalled when an image may be drawn into.
+    /// Semaphore that is signalled when an image may be drawn into.
     pub acquired: vk::Semaphore,
-    /// Signalled when an image may be shown, one for each.
+    /// Semaphores that are signalled when an image may be shown, one for each image.
     pub drawn: Vec<vk::Semaphore>,
     device: Arc<Device>,
 }
 
 impl Swapchain {
-    /// For the window's current size, or `wanted` where the window leaves the choice. `None` while the window has no
-    /// area, as when it is minimised.
+    /// Makes a swapchain for the window's current size, or `wanted` where the window leaves the choice. `None` while
+    /// the window has no area, as when it is minimised.
     pub fn new(
         device: &Arc<Device>,
         surface: &Surface,
@@ -146,7 +147,7 @@ impl Swapchain {
         }
     }
 
-    /// The next image to draw into.
+    /// Takes the next image to draw into.
     pub fn acquire(&self) -> Result<Acquired, VulkanError> {
         let patience = PATIENCE.as_nanos() as u64;
         // SAFETY: the semaphore is not in use: the last submission that waited for it has been waited for.
@@ -167,7 +168,7 @@ impl Swapchain {
         // SAFETY: the image was acquired and handed over for presentation; the lock makes the queue ours.
         match unsafe { self.loader.queue_present(queue.raw, &info) } {
             Ok(false) => Ok(true),
-            // Some windows are never quite right; only another size is worth another swapchain.
+            // Some windows never fit quite right; only another size is worth another swapchain.
             Ok(true) => {
                 let extent = surface.capabilities(&self.device.physical)?.current_extent;
                 Ok(extent == self.extent || extent.width == u32::MAX)
@@ -191,7 +192,7 @@ impl Drop for Swapchain {
     }
 }
 
-/// One whose bytes are shown as they are: the kernels have already encoded them.
+/// Chooses a format whose bytes are shown as they are: the kernels have already encoded them.
 fn choose_format(formats: &[vk::SurfaceFormatKHR]) -> Option<vk::SurfaceFormatKHR> {
     let plain = |f: &&vk::SurfaceFormatKHR| {
         matches!(f.format, vk::Format::B8G8R8A8_UNORM | vk::Format::R8G8B8A8_UNORM)

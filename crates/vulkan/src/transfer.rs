@@ -5,11 +5,11 @@ use crate::buffer::{Buffer, Location};
 use crate::device::Device;
 use crate::error::VulkanError;
 
-/// Bytes that are on their way at once.
+/// Most bytes that are on their way at once.
 const STAGING_BYTES: usize = 64 << 20;
 
 impl Buffer {
-    /// A device buffer that holds `bytes`.
+    /// Makes a device buffer that holds `bytes`. `what` names it in errors.
     pub fn with_bytes(device: &Arc<Device>, what: &str, bytes: &[u8]) -> Result<Self, VulkanError> {
         let buffer = Self::new(device, what, bytes.len() as u64, Location::Device)?;
         let part = STAGING_BYTES.min(bytes.len());
@@ -22,19 +22,19 @@ impl Buffer {
         Ok(buffer)
     }
 
-    /// A device buffer of zeros.
+    /// Makes a device buffer of `size` bytes, all zero. `what` names it in errors.
     pub fn zeroed(device: &Arc<Device>, what: &str, size: u64) -> Result<Self, VulkanError> {
         let buffer = Self::new(device, what, size, Location::Device)?;
         device.run(|passes| passes.clear(&buffer))?;
         Ok(buffer)
     }
 
-    /// Its bytes, copied to the host.
+    /// Returns all bytes of the buffer, copied to the host.
     pub fn read(&self) -> Result<Vec<u8>, VulkanError> {
         self.read_range(0..self.size())
     }
 
-    /// Some of its bytes, copied to the host.
+    /// Returns a range of the buffer's bytes, copied to the host.
     ///
     /// # Panics
     /// If the range reaches past the end.

@@ -9,22 +9,22 @@ use raggio_tests::{for_each_device, render};
 
 use crate::closed_forms::{View, materials, shapes};
 
-/// Where the wall stands, and the width of its stripes; the k-th from the left has the radiance k + 1.
+/// Place of the wall along z, and below it the width of its stripes; the k-th from the left has the radiance k + 1.
 const WALL_Z: f64 = -5.0;
 const STRIPE: f64 = 0.25;
 const STRIPES: usize = 80;
 
-/// (material, shape) of bodies; the camera's first, the outermost before those inside it.
+/// Bodies as (material, shape); the camera's first, the outermost before those inside it.
 struct Case {
     what: &'static str,
-    /// (name, refractive index, priority).
+    /// Media of the bodies: (name, refractive index, priority).
     media: &'static [(&'static str, f64, i32)],
     bodies: &'static [(&'static str, &'static str)],
 }
 
-/// All space before the camera and behind it.
+/// Body that fills all space before the camera and behind it.
 const SEA: &str = "plane = { point = [0, 0, 20], normal = [0, 0, 1] }";
-/// What is beyond the middle.
+/// Body that fills all space beyond the middle.
 const BEYOND: &str = "plane = { point = [0, 0, 0], normal = [0, 0, 1] }";
 const BALL: &str = "sphere = { center = [0, 0, 0], radius = 1.5 }";
 const CORE: &str = "sphere = { center = [0.3, 0.2, 0.1], radius = 0.8 }";
@@ -155,10 +155,10 @@ fn contains(body: &Geometry, p: DVec3) -> bool {
     }
 }
 
-/// The path of light in double precision: where it hits the wall's plane, and the index there over that at the
+/// Path of light in double precision: the point where it hits the wall's plane, and the index there over that at the
 /// camera.
 struct Reference<'a> {
-    /// With the refractive index and the priority of each.
+    /// Bodies with the refractive index and the priority of each.
     bodies: Vec<(&'a Geometry, f64, i32)>,
 }
 
@@ -171,13 +171,13 @@ impl<'a> Reference<'a> {
         Self { bodies: scene.shapes[..count].iter().map(body).collect() }
     }
 
-    /// What fills a point inside these bodies, in the order they were entered: the one of the highest priority
-    /// entered last.
+    /// Refractive index at a point inside these bodies, in the order they were entered: that of the body of the highest
+    /// priority entered last.
     fn index(&self, inside: &[usize]) -> f64 {
         inside.iter().max_by_key(|&&body| self.bodies[body].2).map_or(1.0, |&body| self.bodies[body].1)
     }
 
-    /// `None` if light never gets to the wall.
+    /// Follows a ray to the wall's plane; `None` if light never gets there.
     fn arrive(&self, mut ray: Ray) -> Option<(DVec2, f64)> {
         let mut inside: Vec<_> = (0..self.bodies.len()).filter(|&i| contains(self.bodies[i].0, ray.origin)).collect();
         let at_camera = self.index(&inside);
@@ -217,9 +217,9 @@ impl<'a> Reference<'a> {
         if on_wall { (stripe + 1.0) / (index_ratio * index_ratio) } else { 0.0 }
     }
 
-    /// The radiance of a pixel; `None` if a ray a hair beside it shows another. The hair is half a thousandth at the
-    /// bodies: more than the two ten-thousandths by which rays start off a sheet of this size, which decides where
-    /// two bodies meet.
+    /// Radiance of a pixel; `None` if a ray a hair beside it shows another. The hair is half a thousandth at the
+    /// bodies: more than the two ten-thousandths by which rays start off a sheet of this size, which decides where two
+    /// bodies meet.
     fn stable_radiance(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
         let radiance = |offset: DVec3| {
             self.radiance(Ray { origin, direction: (direction + offset).normalize(), origin_error: 0.0 })
@@ -241,7 +241,7 @@ fn paths_are_those_of_double_precision() {
             for (i, found) in means.iter().enumerate() {
                 let (x, y) = (i as u32 % view.width, i as u32 / view.width);
                 let Some(expected) = reference.stable_radiance(view.position, view.direction(x, y)) else { continue };
-                // Squares of a few rounded index ratios; stripes differ by more than 1 %.
+                // The tolerance is for squares of a few rounded index ratios; stripes differ by more than 1 %.
                 let near = (found.x - expected).abs() < 1e-5 * expected.max(1.0);
                 let (label, what) = (device.label, case.what);
                 assert!(near, "{label}: {what}: pixel ({x}, {y}): expected {expected}, found {}", found.x);

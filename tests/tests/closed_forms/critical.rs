@@ -7,10 +7,10 @@ use raggio_tests::{for_each_device, render};
 use crate::closed_forms::fresnel::{ask, question};
 use crate::closed_forms::{View, water_under_the_sky};
 
-/// The largest `u` the kernels can draw refracts wherever refraction is possible.
+/// Largest `u` that the kernels can draw: it refracts wherever refraction is possible.
 const LAST: f32 = 1.0 - 5.960_464_5e-8;
 
-/// Swept in steps of a thousandth of a degree; single precision rounds the sine by far less than one step.
+/// Angles are swept in steps of a thousandth of a degree; single precision rounds the sine by far less than one step.
 #[test]
 fn transmission_ends_at_the_critical_angle() {
     const STEPS: i32 = 500;
@@ -33,11 +33,11 @@ fn transmission_ends_at_the_critical_angle() {
     });
 }
 
-/// Looking up from under water one sees the whole sky in a disk, and black water around it.
+/// The whole sky is seen in a disk from under water, and black water around it.
 #[test]
 fn snells_window_ends_at_the_critical_angle() {
     let rest = water_under_the_sky();
-    // Wide enough for 55 degrees to both sides.
+    // The view is wide enough for 55 degrees to both sides.
     let view = View::new([0.0, -1.0, 0.0], [0.0, 0.0, 0.0], 4.0).size(1600, 40);
     let scene = view.scene_with("filter = \"point\"", "", &rest);
     let critical = (1.0f64 / 1.33).asin().to_degrees();
@@ -47,7 +47,7 @@ fn snells_window_ends_at_the_critical_angle() {
         for (i, mean) in means(&film).into_iter().enumerate() {
             let direction = view.direction(i as u32 % view.width, i as u32 / view.width);
             let degrees = direction.y.acos().to_degrees();
-            // A tenth of a degree inside, 71 % of the light is reflected: all of 64 samples, 3 times in 10^10.
+            // 71 % of the light is reflected a tenth of a degree inside: all of 64 samples, 3 times in 10^10.
             if (degrees - critical).abs() < 0.1 {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! What `max_depth` counts: the rays along a path, the camera's included.
+//! Meaning of `max_depth`: it counts the rays along a path, the camera's included.
 
 use glam::DVec3;
 use raggio_tests::render::means;
@@ -8,7 +8,7 @@ use crate::closed_forms::{View, materials, shapes};
 
 const SKY: &str = "[environment]\ncolor = [0.5, 1, 2]\n";
 
-/// All pixels are the same number, up to a few roundings: under a constant sky a diffuse plane has no noise.
+/// Checks that all pixels are one number, up to a few roundings: under a constant sky a diffuse plane has no noise.
 fn assert_constant(what: &str, max_depth: u32, material: &str, shape: &str, expected: [f64; 3]) {
     let rest = [SKY, &materials(&[("m", material), ("none", "")]), &shapes(&[("m", shape)])].concat();
     let scene = View::new([0.0, 2.0, 0.0], [0.3, 0.0, 0.2], 20.0).size(8, 8).depth(max_depth).scene(&rest);
@@ -47,7 +47,7 @@ fn two_rays_see_the_sky_reflected() {
     }
 }
 
-/// Into a sheet of glass, through it, out of it: three rays.
+/// Rays go into a sheet of glass, through it, out of it: three.
 #[test]
 fn glass_takes_a_ray_for_each_boundary() {
     let glass = "color = [1, 1, 1]\nrefractive_index = 1.5\nreflection = 0";

@@ -1,11 +1,11 @@
-//! Reconstruction filters, by what they make of nothing and of an edge.
+//! Reconstruction filters: their pictures of a plain sky and of an edge.
 
 use glam::DVec3;
 use raggio_scene::{Filter, Scene};
 use raggio_tests::render::{Estimate, means};
 use raggio_tests::{for_each_device, parse, render};
 
-/// A filter, its radius in pixels, and the filter along one axis, of any scale.
+/// Description of a filter: its name, its radius in pixels, and the filter along one axis, of any scale.
 type Described = (Filter, f64, fn(f64) -> f64);
 
 fn filters() -> [Described; 3] {
@@ -20,7 +20,7 @@ fn filters() -> [Described; 3] {
     [(Filter::Box, 0.5, |_| 1.0), (Filter::BlackmanHarris, 1.5, window), (Filter::Mitchell, 2.0, mitchell)]
 }
 
-/// Left of the edge, `edge` pixels from the left border of a 12 x 64 picture, everything has radiance 1.
+/// Scene of an edge, `edge` pixels from the left border of a 12 x 64 picture: left of it everything has radiance 1.
 fn edge(edge: f64) -> Scene {
     let right = (edge - 6.0) / 32.0;
     parse(&format!(
@@ -33,7 +33,7 @@ fn edge(edge: f64) -> Scene {
     ))
 }
 
-/// Each column of the picture, from its rows.
+/// Estimates of each column of the picture, from its rows.
 fn columns(means: &[DVec3]) -> Vec<Estimate> {
     let rows = (means.len() / 12) as f64;
     let column = |x: usize| {
@@ -71,7 +71,7 @@ fn an_edge_becomes_the_integral_of_the_filter() {
     });
 }
 
-/// Weights are 1 on average: what is plain stays what it is.
+/// Weights are 1 on average: a plain sky stays what it is.
 #[test]
 fn a_plain_sky_keeps_its_radiance() {
     for_each_device(|device| {

@@ -1,4 +1,4 @@
-//! Smooth boundaries: how much they reflect, where they send the rest, how bright it comes out.
+//! Smooth boundaries: the part of the light that they reflect, the direction and the radiance of the rest.
 
 use glam::{DVec3, Vec3};
 use raggio_render::{Answer, Probe, Question};
@@ -9,12 +9,12 @@ use crate::closed_forms::{ONE_DIRECTION, View, WHITE_SKY, materials, shapes, wat
 
 const DEGREES: [f64; 6] = [0.0, 10.0, 30.0, 56.3, 80.0, 89.0];
 
-/// Any scene: what is asked concerns none.
+/// Scene for questions that concern none.
 fn anywhere() -> raggio_scene::Scene {
     View::new([0.0; 3], [0.0, 0.0, -1.0], 40.0).scene(WHITE_SKY)
 }
 
-/// (wo; n; index, reflection probability or -1, eta, u): light that arrives at `degrees` from the normal.
+/// Question (wo; n; index, reflection probability or -1, eta, u): light that arrives at `degrees` from the normal.
 pub fn question(degrees: f64, n: DVec3, eta: f64, reflection: f32, u: f32) -> Question {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let wo = (sin * n.any_orthonormal_vector() + cos * n).as_vec3();
@@ -25,8 +25,9 @@ pub fn ask(device: &TestDevice, questions: &[Question]) -> Vec<Answer> {
     device.ask(&anywhere(), Probe::Dielectric, questions)
 }
 
-/// Absolute error of single precision: the amplitudes are quotients of sums of a few products, within ten roundings.
-/// Near the critical angle roundings of the sine are magnified by its square root, so angles keep clear of it.
+/// Reflectances have the absolute error of single precision: the amplitudes are quotients of sums of a few products,
+/// within ten roundings. Near the critical angle roundings of the sine are magnified by its square root, so angles keep
+/// clear of it.
 #[test]
 fn reflectance_is_fresnels() {
     for_each_device(|device| {
@@ -42,7 +43,7 @@ fn reflectance_is_fresnels() {
     });
 }
 
-/// At Brewster's angle nothing of the parallel part is left: the rest is half the perpendicular part.
+/// Nothing of the parallel part is left at Brewster's angle: the rest is half the perpendicular part.
 #[test]
 fn brewsters_angle_reflects_one_polarisation() {
     let brewster = 1.5f64.atan();
@@ -56,8 +57,7 @@ fn brewsters_angle_reflects_one_polarisation() {
     });
 }
 
-/// Chosen by `u` against the probability; the mirror direction with weight 1, or Snell's with the square of the
-/// ratio.
+/// `u` chooses against the probability: the mirror direction with weight 1, or Snell's with the square of the ratio.
 #[test]
 fn directions_and_weights() {
     let normals = [DVec3::Y, DVec3::new(-0.6, 0.3, 0.74).normalize()];
@@ -87,7 +87,7 @@ fn directions_and_weights() {
     });
 }
 
-/// A wide sheet of glass between a white half of the world and a black one, met at `degrees`.
+/// Scene of a wide sheet of glass between a white half of the world and a black one, met at `degrees`.
 fn slab(degrees: f64, sky: &str, floor: &str, reflection: &str) -> raggio_scene::Scene {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let glass = format!("color = [1, 1, 1]\nrefractive_index = 1.5\nreflection = {reflection}");
@@ -100,7 +100,7 @@ fn slab(degrees: f64, sky: &str, floor: &str, reflection: &str) -> raggio_scene:
     View::new(eye, [0.0; 3], ONE_DIRECTION).scene(&[sky, &materials, &shapes].concat())
 }
 
-/// With reflections back and forth between its faces a sheet reflects R + (1-R)^2 R (1 + R^2 + ...) = 2R / (1+R).
+/// A sheet reflects back and forth between its faces: R + (1-R)^2 R (1 + R^2 + ...) = 2R / (1+R) in all.
 #[test]
 fn a_sheet_of_glass_reflects_and_transmits() {
     for_each_device(|device| {
@@ -120,7 +120,7 @@ fn a_sheet_of_glass_reflects_and_transmits() {
     });
 }
 
-/// Squeezed on the way in and spread on the way out: through a whole body a lamp is as bright as beside it.
+/// Light is squeezed on the way in and spread on the way out: through a whole body a lamp is as bright as beside it.
 #[test]
 fn a_lamp_keeps_its_radiance_through_glass() {
     for_each_device(|device| {
@@ -133,7 +133,7 @@ fn a_lamp_keeps_its_radiance_through_glass() {
     });
 }
 
-/// From inside water the sky is brighter by the square of the index, less what the surface reflects.
+/// The sky is brighter from inside water by the square of the index, less what the surface reflects.
 #[test]
 fn under_water_the_sky_is_brighter() {
     let rest = water_under_the_sky();

@@ -1,4 +1,4 @@
-//! Under a sky of 1 from everywhere, whatever absorbs nothing is invisible.
+//! White furnaces: under a sky of 1 from everywhere, whatever absorbs nothing is invisible.
 
 use glam::DVec3;
 use raggio_tests::render::means;

@@ -1,12 +1,12 @@
-//! Where rounding, or a list that is kept carelessly, would let light through or lose it.
+//! Hard cases: rounding, or a list that is kept carelessly, would let light through or lose it.
 
 use glam::DVec3;
 use raggio_tests::{for_each_device, render};
 
 use crate::closed_forms::{ONE_DIRECTION, View, WHITE_SKY, materials, shapes};
 
-/// A pane of sixteen numbers' thickness: at 1000 units from the origin floats lie 6e-5 apart. In a white furnace it is
-/// invisible, unless refracted rays jump over its far side and stay inside for ever.
+/// A pane is as thick as sixteen neighbouring floats are apart: at 1000 units from the origin they lie 6e-5 apart. In a
+/// white furnace it is invisible, unless refracted rays jump over its far side and stay inside for ever.
 #[test]
 fn a_thin_pane_far_away_lets_all_light_through() {
     let glass = materials(&[("glass", "color = [1, 1, 1]\nrefractive_index = 1.5")]);
@@ -23,8 +23,8 @@ fn a_thin_pane_far_away_lets_all_light_through() {
     });
 }
 
-/// Three bodies that overlap, the outer two of one material: who leaves the first of them must not forget the last.
-/// In a white furnace nothing of it shows.
+/// Three bodies overlap, the outer two of one material: who leaves the first of them must not forget the last. In a
+/// white furnace nothing of it shows.
 #[test]
 fn two_bodies_of_one_material_are_told_apart() {
     let list = materials(&[

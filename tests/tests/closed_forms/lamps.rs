@@ -10,8 +10,8 @@ use crate::closed_forms::{ONE_DIRECTION, View, array, materials, shapes};
 const ALBEDO: DVec3 = DVec3::new(0.9, 0.6, 0.3);
 const LAMP: DVec3 = DVec3::new(2.0, 3.0, 4.0);
 
-/// What a view of the origin, flat on the plane y = 0, shows of a lamp: at least a fifth of the paths reach one of
-/// those below, which at two million samples leaves an error below 0.2 %.
+/// Checks the radiance of the plane y = 0 at the origin under a lamp: at least a fifth of the paths reach one of those
+/// below, which at two million samples leaves an error below 0.2 %.
 fn assert_irradiance(what: &str, lamp: &str, eye: [f64; 3], irradiance: f64) {
     let ground_keys = format!("color = {}", array(ALBEDO));
     let lamp_keys = format!("emission_color = {}\nemission_strength = 1", array(LAMP));
@@ -26,7 +26,7 @@ fn assert_irradiance(what: &str, lamp: &str, eye: [f64; 3], irradiance: f64) {
     });
 }
 
-/// E = pi (r/d)^2 cos for a radiance of 1, while all of the sphere is above the plane.
+/// The irradiance is E = pi (r/d)^2 cos for a radiance of 1, while all of the sphere is above the plane.
 #[test]
 fn sphere_lamp() {
     for (radius, center) in [
@@ -38,7 +38,7 @@ fn sphere_lamp() {
         let distance = center.length();
         let irradiance = PI * (radius / distance).powi(2) * center.y / distance;
         let lamp = format!("sphere = {{ center = {}, radius = {radius} }}", array(center));
-        // From the side that the lamp leaves free.
+        // The eye is on the side that the lamp leaves free.
         let eye = [-2.0 * center.x.signum(), 0.3, -0.5];
         assert_irradiance(&format!("sphere of radius {radius} at {center}"), &lamp, eye, irradiance);
     }

@@ -13,7 +13,7 @@ const FOV_DEGREES: f64 = 20.0;
 const APERTURE: f64 = 0.2;
 const FOCUS: f64 = 5.0;
 
-/// A small lamp at `distance` in front of the camera.
+/// Scene of a small lamp at `distance` in front of the camera.
 fn lamp(distance: f64, radius: f64, aperture: f64) -> Scene {
     let camera = format!("aperture_radius = {aperture}\nfocus_distance = {FOCUS}");
     let shape = format!("sphere = {{ center = [0, 0, {}], radius = {radius} }}", -distance);
@@ -22,12 +22,12 @@ fn lamp(distance: f64, radius: f64, aperture: f64) -> Scene {
     View::new([0.0; 3], [0.0, 0.0, -1.0], FOV_DEGREES).size(SIZE, SIZE).depth(1).scene_with("", &camera, &rest)
 }
 
-/// In pixels, of something whose tangent is `tangent`.
+/// Size in pixels of something whose tangent is `tangent`.
 fn pixels(tangent: f64) -> f64 {
     tangent * f64::from(SIZE) / (2.0 * (0.5 * FOV_DEGREES.to_radians()).tan())
 }
 
-/// Light of an image, in pixels, its centre, and its second moments about it.
+/// Light of an image, its centre in pixels, and its second moments about it.
 struct Moments {
     light: f64,
     center: [f64; 2],
@@ -45,19 +45,20 @@ fn moments(device: &TestDevice, scene: &Scene, samples: u32) -> Moments {
     Moments { light, center, variance }
 }
 
-/// Per axis, a uniform disk has a quarter of its squared radius for variance. The image is the lamp's own disk,
-/// spread by the disk of confusion and by the pixel (1/12); variances of independent spreads add up.
+/// Radius of the disk of confusion in pixels. A uniform disk has a quarter of its squared radius for variance along
+/// each axis. The image is the lamp's own disk, spread by the disk of confusion and by the pixel (1/12); variances of
+/// independent spreads add up.
 fn disk(variance: f64, own_radius: f64) -> f64 {
     2.0 * (variance - own_radius * own_radius / 4.0 - 1.0 / 12.0).max(0.0).sqrt()
 }
 
-/// Radius of confusion: the lens's, seen from the lamp, on the focused plane, seen from the lens.
+/// The radius of confusion is the lens's, seen from the lamp, on the focused plane, seen from the lens.
 #[test]
 fn out_of_focus_points_are_disks_of_the_right_size() {
     for_each_device(|device| {
         let samples = device.pick(2048, 512);
         for distance in [2.5, 3.5, 8.0, 20.0] {
-            // Small enough to be a point, large enough for some of the paths to find it.
+            // The lamp is small enough to be a point, large enough for some of the paths to find it.
             let radius = 0.006 * distance;
             let moments = moments(&device, &lamp(distance, radius, APERTURE), samples);
             let expected = pixels(APERTURE * (1.0 / FOCUS - 1.0 / distance).abs());

@@ -9,10 +9,10 @@ use crate::closed_forms::{View, WHITE_SKY, materials, shapes};
 
 const COLOR: DVec3 = DVec3::new(0.9, 0.5, 0.1);
 const GLOW: f64 = 0.25;
-/// Gained from one mirror to the next, two units away.
+/// Height that a ray gains from one mirror to the next, two units away.
 const RISE: f64 = 0.2;
 
-/// Mirrors at x = -1 and x = 1 that end where the ray passes after `bounces`, glowing with `glow`.
+/// Scene of mirrors at x = -1 and x = 1 that end where the ray passes after `bounces`, glowing with `glow`.
 fn corridor(bounces: u32, glow: f64, max_depth: u32) -> Scene {
     let top = RISE * f64::from(bounces);
     let mirror = format!("color = [0.9, 0.5, 0.1]\nsmoothness = 1\nemission_strength = {glow}");
@@ -28,12 +28,12 @@ fn corridor(bounces: u32, glow: f64, max_depth: u32) -> Scene {
     scene
 }
 
-/// The colour of a float is not the colour of the file.
+/// Colour of the mirrors as floats hold it, which is not the colour of the file.
 fn color() -> DVec3 {
     COLOR.as_vec3().as_dvec3()
 }
 
-/// One rounding for each factor and each sum, and the film's 2^-40.
+/// Checks all pixels, to one rounding for each factor and each sum, and the film's 2^-40.
 fn assert_exact(what: &str, scene: &Scene, bounces: u32, expected: DVec3) {
     for_each_device(|device| {
         for mean in means(&render(device.device, scene, 4)) {

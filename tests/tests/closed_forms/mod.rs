@@ -1,4 +1,4 @@
-//! Scenes whose radiance can be written down.
+//! Closed forms: scenes whose radiance can be written down.
 
 mod bodies;
 mod critical;
@@ -16,10 +16,11 @@ use glam::DVec3;
 use raggio_scene::Scene;
 use raggio_tests::parse;
 
-/// The whole picture sees what lies in one direction: all pixels estimate the same radiance.
+/// Field of view in degrees so narrow that the whole picture sees what lies in one direction: all pixels estimate one
+/// radiance.
 const ONE_DIRECTION: f64 = 0.02;
 
-/// Where from, where to, and how much of it, in degrees.
+/// View of a scene: the camera's place, the point it looks at, the field of view in degrees, the size in pixels.
 #[derive(Clone, Copy)]
 struct View {
     position: DVec3,
@@ -31,7 +32,7 @@ struct View {
 }
 
 impl View {
-    /// 64 x 64 pixels, paths of up to a thousand rays.
+    /// Makes a view of 64 x 64 pixels, with paths of up to a thousand rays.
     fn new(position: [f64; 3], look_at: [f64; 3], fov_degrees: f64) -> Self {
         let [position, look_at] = [position, look_at].map(DVec3::from_array);
         Self { position, look_at, fov_degrees, width: 64, height: 64, max_depth: 1000 }
@@ -45,7 +46,8 @@ impl View {
         Self { max_depth, ..self }
     }
 
-    /// With what it sees: the rest of a scene file. `render` and `camera` are keys to add to those tables.
+    /// Scene of the view and of what it sees, the rest of a scene file. `render` and `camera` are keys to add to those
+    /// tables.
     fn scene_with(&self, render: &str, camera: &str, rest: &str) -> Scene {
         let Self { position, look_at, fov_degrees, width, height, max_depth } = self;
         // Up is any direction across the view.
@@ -63,7 +65,7 @@ impl View {
         self.scene_with("", "", rest)
     }
 
-    /// The direction through the middle of a pixel, for views with the default orientation.
+    /// Direction through the middle of a pixel, for views with the default orientation.
     fn direction(&self, x: u32, y: u32) -> DVec3 {
         let back = (self.position - self.look_at).normalize();
         let up = if back.y.abs() > 0.9 { DVec3::NEG_Z } else { DVec3::Y };
@@ -82,17 +84,17 @@ fn array(v: DVec3) -> String {
 
 const WHITE_SKY: &str = "[environment]\ncolor = [1, 1, 1]\n";
 
-/// A table of materials and one of shapes: `(material, shape)`.
+/// Text of the shapes of a scene file, each given as (material, shape).
 fn shapes(list: &[(&str, &str)]) -> String {
     list.iter().map(|(material, shape)| format!("[[shapes]]\nmaterial = \"{material}\"\n{shape}\n")).collect()
 }
 
-/// `(name, keys)` of each material.
+/// Text of the materials of a scene file, each given as (name, keys).
 fn materials(list: &[(&str, &str)]) -> String {
     list.iter().map(|(name, keys)| format!("[materials.{name}]\n{keys}\n")).collect()
 }
 
-/// A white sky over water without end, with a black bottom 9 below the surface at height 0.
+/// Text of a white sky over water without end, with a black bottom 9 below the surface at height 0.
 fn water_under_the_sky() -> String {
     let materials =
         materials(&[("water", "color = [1, 1, 1]\nrefractive_index = 1.33"), ("bottom", "color = [0, 0, 0]")]);

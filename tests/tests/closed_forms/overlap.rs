@@ -8,7 +8,8 @@ use crate::closed_forms::{View, materials, shapes};
 
 const SKY: &str = "[environment]\nhorizon = [1, 0.8, 0.6]\nzenith = [0.2, 0.4, 1]\n";
 
-/// What is in both scenes; a diffuse floor makes paths meet the bodies from all sides.
+/// Renders `bodies` in the surroundings that both scenes have; a diffuse floor makes paths meet the bodies from all
+/// sides.
 fn picture(device: &dyn raggio_render::Device, bodies: &[(&str, &str)], max_depth: u32, samples: u32) -> Film {
     let list = materials(&[
         ("floor", "color = [0.7, 0.6, 0.5]"),
@@ -21,9 +22,9 @@ fn picture(device: &dyn raggio_render::Device, bodies: &[(&str, &str)], max_dept
     render(device, &view.scene(&[SKY, &list, &floor, &shapes(bodies)].concat()), samples)
 }
 
-/// A hidden boundary takes no random number and no depth. But the ray starts anew behind it, which rounds its origin:
-/// 32 roundings of about two units, so a few 1e-6 in what it hits. A path whose decision that turns is another one;
-/// nearly all pixels are without.
+/// Checks that two films agree. A hidden boundary takes no random number and no depth. But the ray starts anew behind
+/// it, which rounds its origin: 32 roundings of about two units, so a few 1e-6 in what it hits. A path whose decision
+/// that turns is another one; nearly all pixels are without.
 fn assert_alike(what: &str, one: &Film, other: &Film) {
     let (a, b) = (means(one), means(other));
     let alike = a.iter().zip(&b).filter(|(a, b)| relative_difference(**a, **b) < 2e-5).count();
@@ -75,7 +76,7 @@ fn overlapping_bodies_of_one_material_are_one() {
     });
 }
 
-/// The comparison can tell: a boundary that counts changes the picture.
+/// A boundary that counts changes the picture: the comparison can tell.
 #[test]
 fn boundaries_that_count_are_seen() {
     for_each_device(|device| {

@@ -7,7 +7,7 @@ use raggio_tests::render::{displayed, load, means, relative_difference};
 use raggio_tests::{parse, render};
 use raggio_vulkan::Instance;
 
-/// 1500 x 1200 pixels of film take 108 MB, more than one buffer of 64 MiB.
+/// A film of 1500 x 1200 pixels takes 108 MB, more than one buffer of 64 MiB.
 #[test]
 fn a_film_of_two_bands_is_one_picture() {
     let Some(vulkan) = vulkan() else { return };

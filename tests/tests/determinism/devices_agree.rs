@@ -1,4 +1,4 @@
-//! Vulkan draws the CPU's picture.
+//! Agreement of Vulkan's picture with the CPU's.
 
 use raggio_render::Film;
 use raggio_tests::devices::{cpu, vulkan};
@@ -9,20 +9,20 @@ use crate::determinism::scenes;
 
 const SAMPLES: u32 = 32;
 
-/// Pixels with equal bits, and those whose means agree to 1e-5.
+/// Number of pixels with equal bits, and of those whose means agree to 1e-5.
 fn agreeing(ours: &Film, theirs: &Film) -> (usize, usize) {
     let equal = ours.pixels().iter().zip(theirs.pixels()).filter(|(a, b)| a == b).count();
     let near = means(ours).into_iter().zip(means(theirs)).filter(|(a, b)| relative_difference(*a, *b) < 1e-5).count();
     (equal, near)
 }
 
-/// Both run the same arithmetic. Vulkan allows a division or a square root another last bit or two, and
+/// Both devices run one arithmetic. Vulkan allows a division or a square root another last bit or two, and
 /// multiplications and additions to be fused; a path goes on as before but for such roundings, unless one turns a
 /// decision (hit or miss, reflection or refraction), and then it is another path of equal right.
 ///
-/// So nearly all pixels agree to a few roundings, 1e-5 (of `weekend`, the worst, 99 % on lavapipe and 96.3 % on an NVIDIA
-/// H200; of `cornell` and `nested` all, with equal bits, on both); and the mean of all pixels, which few turned paths hardly
-/// move, to a thousandth.
+/// Nearly all pixels therefore agree to a few roundings, 1e-5 (of `weekend`, the worst, 99 % on lavapipe and 96.3 % on
+/// an NVIDIA H200; of `cornell` and `nested` all, with equal bits, on both); and the mean of all pixels, which few
+/// turned paths hardly move, to a thousandth.
 #[test]
 fn vulkan_agrees_with_the_cpu() {
     let Some(vulkan) = vulkan() else { return };

@@ -23,7 +23,7 @@ fn in_passes(device: &dyn Device, scene: &Scene, pass: u32, rows: Range<u32>) ->
     session.film().expect("the film can be read")
 }
 
-/// Equality of films is equality of all their bits, counters included.
+/// Checks that films are equal in all their bits, counters included.
 fn assert_same(what: &str, expected: &Film, found: &Film) {
     let differ = expected.pixels().iter().zip(found.pixels()).position(|(a, b)| a != b);
     if let Some(place) = differ {
@@ -108,7 +108,8 @@ fn threads_and_tiles_leave_no_trace() {
 fn instruction_sets_leave_no_trace() {
     let sets = InstructionSet::available();
     println!("instruction sets: {sets:?}");
-    // Else this test compares nothing: every x86-64 processor of the last ten years has v3 beside v2.
+    // Two sets are needed, or this test compares nothing: every x86-64 processor of the last ten years has v3 beside
+    // v2.
     assert!(sets.len() >= 2 || !cfg!(target_arch = "x86_64"), "only {sets:?} to compare");
     for (name, scene) in scenes() {
         let films = sets.iter().map(|&set| {
@@ -130,7 +131,7 @@ fn seeds_give_different_pictures() {
             scene.render.seed += 1;
             let other = render(device.device, &scene, 4);
             let same = one.pixels().iter().zip(other.pixels()).filter(|(a, b)| a == b).count();
-            // A plain sky is the same for all seeds; it fills no more than two thirds of any of the pictures.
+            // A plain sky is equal for all seeds; it fills no more than two thirds of any of the pictures.
             let pixels = one.pixels().len();
             assert!(
                 same < pixels * 2 / 3,

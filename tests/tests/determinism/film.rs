@@ -6,7 +6,7 @@ use raggio_scene::Environment;
 use raggio_tests::render::{means, whole};
 use raggio_tests::{Pcg, for_each_device, parse, render, render_range};
 
-/// The sky in a film of a few pixels.
+/// Scene of the sky alone, in a film of a few pixels.
 fn sky(color: &str) -> raggio_scene::Scene {
     parse(&format!(
         "[render]\nwidth = 4\nheight = 2\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\n
@@ -14,9 +14,9 @@ fn sky(color: &str) -> raggio_scene::Scene {
     ))
 }
 
-/// A number of 2^-40, to the nearest, halves away from zero.
+/// Number in units of 2^-40, to the nearest, halves away from zero.
 fn fixed(x: f32) -> i128 {
-    // Exact: a float has 24 bits, and 2^40 moves its point.
+    // The product is exact: a float has 24 bits, and 2^40 moves its point.
     let scaled = f64::from(x) * 2f64.powi(40);
     scaled.round() as i128
 }
@@ -86,7 +86,7 @@ fn a_million_equal_samples_keep_their_mean() {
     });
 }
 
-/// What cannot be added up is counted and left out, and spoils nothing. No scene file can say such numbers.
+/// A sample that cannot be added up is counted and left out, and spoils nothing. No scene file can say such numbers.
 #[test]
 fn samples_that_overflow_are_rejected() {
     for_each_device(|device| {
@@ -105,8 +105,8 @@ fn samples_that_overflow_are_rejected() {
     });
 }
 
-/// Against the samples themselves, rendered one by one. The kernel rounds each square a few times to single precision and
-/// once to 2^-40.
+/// The variance is compared with that of the samples themselves, rendered one by one. The kernel rounds each square a
+/// few times to single precision and once to 2^-40.
 #[test]
 fn the_variance_is_that_of_the_samples() {
     const SAMPLES: u32 = 12;
@@ -133,7 +133,7 @@ fn the_variance_is_that_of_the_samples() {
     });
 }
 
-/// Of the brightest samples the squares count as the largest that a sum takes, so that no sum overflows.
+/// Squares of the brightest samples count as the largest that a sum takes, so that no sum overflows.
 #[test]
 fn squares_saturate() {
     for_each_device(|device| {

@@ -1,4 +1,4 @@
-//! The same samples make the same picture, bit for bit, however they are divided; and the film loses none.
+//! Determinism: equal samples make equal pictures, bit for bit, however they are divided; and the film loses none.
 
 mod bands;
 mod bounds;
@@ -10,7 +10,7 @@ use raggio_scene::Scene;
 const CORNELL: &str = include_str!("../../../scenes/reference/cornell.toml");
 const NESTED: &str = include_str!("../../../scenes/reference/nested.toml");
 const WEEKEND: &str = include_str!("../../../scenes/reference/weekend.toml");
-/// All shapes, a thin lens, all kinds of reflection, a gradient sky, overlapping dielectrics.
+/// Scene with all shapes, a thin lens, all kinds of reflection, a gradient sky, overlapping dielectrics.
 const EVERYTHING: &str = "version = 1
 [render]
 max_depth = 12

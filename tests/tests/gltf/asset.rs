@@ -10,10 +10,10 @@ pub const F32: u32 = 5126;
 
 /// Corners of the square of side 1 around the origin, facing +Z: bottom left, bottom right, top right, top left.
 pub const CORNERS: [[f32; 3]; 4] = [[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.5, 0.5, 0.0], [-0.5, 0.5, 0.0]];
-/// Image coordinates of these: the image stands upright on the square.
+/// Image coordinates of the [`CORNERS`]: the image stands upright on the square.
 pub const UPRIGHT: [[f32; 2]; 4] = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
 
-/// Its JSON, and its one buffer.
+/// JSON of the file, and its one buffer.
 #[derive(Clone)]
 pub struct Asset {
     pub json: Value,
@@ -21,17 +21,17 @@ pub struct Asset {
 }
 
 impl Asset {
-    /// Without nodes.
+    /// Makes a file without nodes.
     pub fn empty() -> Self {
         Self { json: json!({ "asset": { "version": "2.0" } }), binary: vec![] }
     }
 
-    /// The square of `material`, as mesh 0 of node 0.
+    /// Makes a square of `material`, as mesh 0 of node 0.
     pub fn square(material: Value) -> Self {
         Self::surface(&CORNERS, &[0, 1, 2, 0, 2, 3], material).with("TEXCOORD_0", "VEC2", UPRIGHT.as_flattened())
     }
 
-    /// A cube of side 1 around the origin, closed and flat.
+    /// Makes a cube of side 1 around the origin, closed and flat.
     pub fn cube(material: Value) -> Self {
         let corners: Vec<[f32; 3]> =
             (0..8).map(|i| [0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 0.5 } else { -0.5 })).collect();
@@ -52,20 +52,20 @@ impl Asset {
         asset
     }
 
-    /// With another attribute of the mesh.
+    /// Gives the mesh another attribute.
     pub fn with(mut self, name: &str, kind: &str, values: &[f32]) -> Self {
         let accessor = self.floats(kind, values);
         self.primitive()["attributes"][name] = json!(accessor);
         self
     }
 
-    /// With other nodes.
+    /// Puts other nodes in place of the file's.
     pub fn nodes(mut self, nodes: Value) -> Self {
         self.json["nodes"] = nodes;
         self
     }
 
-    /// With an image of texels in rows as texture 0; `sampler` says how it lies.
+    /// Adds an image of texels in rows as texture 0; `sampler` says how it lies.
     pub fn texture(mut self, rows: &[&[[u8; 4]]], sampler: Value) -> Self {
         let uri = format!("data:image/png;base64,{}", BASE64.encode(&png(rows)));
         let image = self.push("images", json!({ "uri": uri }));
@@ -78,7 +78,7 @@ impl Asset {
         &mut self.json["meshes"][0]["primitives"][0]
     }
 
-    /// Adds to one of the document's lists; returns the number.
+    /// Adds a value to one of the document's lists; returns its number.
     pub fn push(&mut self, list: &str, value: Value) -> usize {
         if self.json[list].is_null() {
             self.json[list] = json!([]);
@@ -88,7 +88,7 @@ impl Asset {
         list.len() - 1
     }
 
-    /// A buffer view of these bytes.
+    /// Adds a buffer view of these bytes; returns its number.
     pub fn view(&mut self, bytes: &[u8]) -> usize {
         self.binary.resize(self.binary.len().next_multiple_of(4), 0);
         let offset = self.binary.len();
@@ -109,7 +109,7 @@ impl Asset {
         self.push("accessors", json!({ "bufferView": view, "componentType": U16, "count": count, "type": "SCALAR" }))
     }
 
-    /// What stands in the file, the buffer as a data URI.
+    /// Bytes of the file, the buffer as a data URI.
     pub fn bytes(&self) -> Vec<u8> {
         let uri = format!("data:application/octet-stream;base64,{}", BASE64.encode(&self.binary));
         let mut json = self.json.clone();
@@ -122,7 +122,7 @@ impl Asset {
     }
 }
 
-/// Of texels in rows, from the top.
+/// PNG of texels in rows, from the top.
 pub fn png(rows: &[&[[u8; 4]]]) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(vec![]);
     let (width, height) = (rows[0].len() as u32, rows.len() as u32);
@@ -131,7 +131,7 @@ pub fn png(rows: &[&[[u8; 4]]]) -> Vec<u8> {
     bytes.into_inner()
 }
 
-/// A material that reflects `color` evenly to all sides, and nothing else.
+/// Material that reflects `color` evenly to all sides, and nothing else.
 pub fn matte(color: [f32; 3]) -> Value {
     let [red, green, blue] = color;
     json!({
@@ -140,12 +140,12 @@ pub fn matte(color: [f32; 3]) -> Value {
     })
 }
 
-/// A material that shines with radiance 1 and reflects nothing.
+/// Material that shines with radiance 1 and reflects nothing.
 pub fn glowing() -> Value {
     merged(matte([0.0; 3]), json!({ "emissiveFactor": [1, 1, 1] }))
 }
 
-/// `base` with the keys of `more`, and theirs.
+/// Merges `more` into `base`, level by level; where both have a value, that of `more` counts.
 pub fn merged(mut base: Value, more: Value) -> Value {
     match (&mut base, more) {
         (Value::Object(base), Value::Object(more)) => {

@@ -1,4 +1,4 @@
-//! How vertices are stored: in every way the same square.
+//! Storage of vertices: in every way it gives one square.
 
 use draco_core::{
     DataType, EncoderBuffer, EncoderOptions, GeometryAttributeType, Mesh, MeshEncoder, PointAttribute, PointIndex,
@@ -12,14 +12,14 @@ fn assert_square(what: &str, asset: &Asset) {
     Shot::default().take(asset).assert_lit(what, within([0.0, 0.0], [1.0, 1.0]));
 }
 
-/// With its positions by this accessor.
+/// Puts the positions of the asset behind this accessor.
 fn placed(mut asset: Asset, accessor: Value) -> Asset {
     let accessor = asset.push("accessors", accessor);
     asset.primitive()["attributes"]["POSITION"] = json!(accessor);
     asset
 }
 
-/// One corner is elsewhere in the base, and overwritten; or there is no base, and three are.
+/// One corner is elsewhere in the base, and overwritten; or there is no base, and all four are overwritten.
 #[test]
 fn sparse_accessors() {
     let bytes = |corners: &[[f32; 3]]| corners.concat().iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<_>>();
@@ -53,7 +53,7 @@ fn quantized_positions() {
     let mut normalized = whole.clone();
     normalized["normalized"] = json!(true);
     asset.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
-    // Whole numbers of 2^-15, and numbers that are 1 at 32767.
+    // Positions are whole numbers of 2^-15, or numbers that are 1 at 32767.
     for (what, accessor, unit) in [("whole numbers", whole, 32768.0), ("normalized", normalized, 32768.0 / 32767.0)] {
         let scale = if what == "normalized" { 1.0 / unit } else { 1.0 / 32768.0 };
         let asset = placed(asset.clone(), accessor).nodes(json!([{ "mesh": 0, "scale": [scale, scale, scale] }]));

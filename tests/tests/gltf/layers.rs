@@ -9,18 +9,18 @@ use serde_json::{Value, json};
 use crate::gltf::asset::{Asset, matte, merged, png};
 use crate::gltf::picture::Shot;
 
-/// One texel for each kind of texture, all channels different.
+/// Texel of each kind of texture, all channels different.
 const TEXEL: [u8; 4] = [204, 102, 153, 51];
 
 struct Case {
     what: &'static str,
-    /// The material, in glTF's words; texture 0 is of one `TEXEL`.
+    /// Material in glTF's words; texture 0 is of one `TEXEL`.
     json: Value,
-    /// The same in the scene file's; "t.png" has the same texel.
+    /// Material in the scene file's words; "t.png" has that texel.
     own: &'static str,
-    /// What is to be without the feature, in the scene file's words.
+    /// Material without the feature, in the scene file's words.
     without: &'static str,
-    /// Mean of the picture's colours over those without: between these.
+    /// Least and largest mean of the picture's colours over those without the feature.
     ratio: [f64; 2],
 }
 
@@ -146,7 +146,7 @@ fn layers() -> Vec<Case> {
     ]
 }
 
-/// Tilted, so that the eye sees it at 50 degrees to its normal.
+/// Asset of a square that is tilted, so that the eye sees it at 50 degrees to its normal.
 fn tilted(material: Value) -> Asset {
     let half = 25f64.to_radians();
     let node =
@@ -177,7 +177,7 @@ fn files_and_scenes_say_the_same() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Reflection straight back from black dielectrics: ((n - 1) / (n + 1))^2, times strength and colour, and of a coat on top.
+/// Black dielectrics reflect ((n - 1) / (n + 1))^2 straight back, times strength and colour; so does a coat on top.
 #[test]
 fn reflectances_at_normal_incidence() {
     let black = pbr(json!({ "baseColorFactor": [0, 0, 0, 1], "metallicFactor": 0, "roughnessFactor": 0 }));
@@ -200,7 +200,7 @@ fn reflectances_at_normal_incidence() {
     }
 }
 
-/// Across the grooves a highlight is long: turning them by a quarter turns it.
+/// A highlight is long across the grooves: turning them by a quarter turns it.
 #[test]
 fn anisotropy_has_a_direction() {
     let brushed = |turn: f64| {
@@ -209,7 +209,7 @@ fn anisotropy_has_a_direction() {
         Asset::square(extended(factors, "KHR_materials_anisotropy", values))
             .nodes(json!([{ "mesh": 0, "scale": [4, 4, 1] }]))
     };
-    // A small lamp behind the eye.
+    // The lamp is small and stands behind the eye.
     let more = "[materials.lamp]\nemission_strength = 100\n[[shapes]]\nmaterial = \"lamp\"\n\
                 sphere = { center = [0, 0, 8], radius = 1 }\n";
     let shot = Shot { samples: 2048, more: more.into(), ..Shot::default() };
@@ -223,7 +223,7 @@ fn anisotropy_has_a_direction() {
     assert!(along_x > 3.0 && along_y < 1.0 / 3.0, "{along_x} times as bright along x, and {along_y} when turned");
 }
 
-/// The same on every device, by either integrator; where drivers compile for minutes, by the shorter one.
+/// Pictures agree on every device, by either integrator; where drivers compile for minutes, by the shorter one.
 #[test]
 fn devices_agree_on_layers() {
     let material = merged(

@@ -1,4 +1,4 @@
-//! KHR_lights_punctual: what reaches a matte square is in closed form.
+//! Lights of KHR_lights_punctual: the light that a matte square reflects is in closed form.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2};
 
@@ -10,7 +10,7 @@ use crate::gltf::picture::{Picture, Shot};
 
 const COLOR: [f32; 3] = [0.8, 0.5, 0.25];
 
-/// A square of side 3 that fills the picture, with a light.
+/// Picture of a square of side 3 that fills it, with a light.
 fn lit(light: Value, mut node: Value) -> Picture {
     node["extensions"] = json!({ "KHR_lights_punctual": { "light": 0 } });
     let mut asset = Asset::square(matte(COLOR)).nodes(json!([{ "mesh": 0, "scale": [4, 4, 1] }, node]));
@@ -18,7 +18,7 @@ fn lit(light: Value, mut node: Value) -> Picture {
     Shot::default().take(&asset)
 }
 
-/// What a surface reflects of this irradiance.
+/// Radiance that a surface reflects of this irradiance.
 fn reflected(irradiance: DVec3) -> DVec3 {
     irradiance * DVec3::from_array(COLOR.map(f64::from)) * FRAC_1_PI
 }
@@ -38,7 +38,7 @@ fn points_by_the_inverse_square() {
 #[test]
 fn directional_light_by_the_cosine() {
     let light = json!({ "type": "directional", "intensity": 3 });
-    // -z turned by 45 degrees about x, toward +y.
+    // The light's -z is turned by 45 degrees about x, toward +y.
     let rotation = [22.5f64.to_radians().sin(), 0.0, 0.0, 22.5f64.to_radians().cos()];
     let picture = lit(light.clone(), json!({ "rotation": rotation }));
     picture.assert_shows("slanted light", |_, _| reflected(DVec3::splat(3.0 * FRAC_1_SQRT_2)));
@@ -46,7 +46,7 @@ fn directional_light_by_the_cosine() {
     picture.assert_shows("light from behind", |_, _| DVec3::ZERO);
 }
 
-/// Full inside, nothing outside, and the extension's square in between.
+/// Cones have full light inside, none outside, and the extension's square in between.
 #[test]
 fn spots_have_cones() {
     let (inner, outer) = (0.35f64, 0.6f64);
@@ -66,7 +66,7 @@ fn spots_have_cones() {
     assert!(seen.iter().all(|count| *count > 20), "outside, between and inside are {seen:?} pixels");
 }
 
-/// Something in the way: light does not come through.
+/// Light does not come through something in the way.
 #[test]
 fn lights_have_shadows() {
     let nodes = json!([

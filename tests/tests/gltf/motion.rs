@@ -1,11 +1,11 @@
-//! What moves: animations, morph targets, skins.
+//! Motion: animations, morph targets, skins.
 
 use serde_json::{Value, json};
 
 use crate::gltf::asset::{Asset, CORNERS, U8, glowing};
 use crate::gltf::picture::{Shot, within};
 
-/// The square, with a property of its node that has keys at 1 and 3 seconds.
+/// Gives a property of the node of `asset` keys at 1 and 3 seconds.
 fn animate(mut asset: Asset, path: &str, interpolation: &str, kind: &str, values: &[f32]) -> Asset {
     let input = asset.floats("SCALAR", &[1.0, 3.0]);
     let output = asset.floats(kind, values);
@@ -15,7 +15,7 @@ fn animate(mut asset: Asset, path: &str, interpolation: &str, kind: &str, values
     asset
 }
 
-/// From -0.75 to 0.75; the spline starts with 1.5 a second, and ends at rest.
+/// The square moves from -0.75 to 0.75; the spline starts with 1.5 a second, and ends at rest.
 #[test]
 fn interpolations_at_a_time() {
     let ends = [-0.75, 0.0, 0.0, 0.75, 0.0, 0.0];
@@ -45,7 +45,7 @@ fn turning_and_growing() {
     let turned = animate(asset, "rotation", "LINEAR", "VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, half, half]);
     Shot::at(1.0).take(&turned).assert_lit("before the turn", within([0.0, 0.0], [2.0, 0.5]));
     Shot::at(3.0).take(&turned).assert_lit("after the turn", within([0.0, 0.0], [0.5, 2.0]));
-    // An eighth of a turn: along the diagonals.
+    // The square has made an eighth of a turn: it lies along the diagonals.
     Shot::at(2.0).take(&turned).assert_lit("half way", |x, y| {
         let (along, across) = ((x + y) / 2f64.sqrt(), (y - x) / 2f64.sqrt());
         along.abs() < 1.0 && across.abs() < 0.25
@@ -54,7 +54,7 @@ fn turning_and_growing() {
     Shot::at(2.0).take(&growing).assert_lit("half grown", within([0.0, 0.0], [1.5, 0.75]));
 }
 
-/// The square, with a target that moves it by (1, 0) and another that moves its upper side by 1.
+/// Asset of the square, with a target that moves it by (1, 0) and another that moves its upper side by 1.
 fn morphed() -> Asset {
     let mut asset = Asset::square(glowing());
     let aside = asset.floats("VEC3", &[1.0, 0.0, 0.0].repeat(4));
@@ -81,7 +81,7 @@ fn animated_weights() {
     Shot::at(2.0).take(&asset).assert_lit("animated weights", within([0.5, 0.125], [1.0, 1.25]));
 }
 
-/// Two joints, one of which moves; the left side of the square goes with one, the right with the other, in part.
+/// One of two joints moves; the left side of the square goes with one, the right with the other, in part.
 #[test]
 fn skins() {
     let weighted = |right: f32, node: Value| {

@@ -14,29 +14,29 @@ use crate::gltf::asset::Asset;
 /// Pixels across and down.
 pub const SIDE: usize = 24;
 
-/// How it is taken.
+/// Settings of a picture that is taken of an asset.
 #[derive(Clone)]
 pub struct Shot {
-    /// The sky's radiance, or what else stands in `[environment]`.
+    /// Radiance of the sky, or what else stands in `[environment]`.
     pub environment: String,
-    /// Of each pixel.
+    /// Samples of each pixel.
     pub samples: u32,
-    /// Rays of a path.
+    /// Most rays of a path.
     pub depth: u32,
-    /// How light is followed.
+    /// Algorithm of light transport.
     pub integrator: Integrator,
-    /// Of animations.
+    /// Time of the animations in seconds; `None` is the pose of rest.
     pub time: Option<f64>,
-    /// In place of the file's materials: the text of a principled one.
+    /// Text of a principled material in place of the file's materials.
     pub material: Option<String>,
-    /// More of the scene file.
+    /// More text of the scene file.
     pub more: String,
-    /// Files beside it.
+    /// Files beside the scene file, by name.
     pub files: Vec<(&'static str, Vec<u8>)>,
 }
 
 impl Default for Shot {
-    /// In the dark, one ray through the middle of each pixel.
+    /// Makes settings for the dark, with one ray through the middle of each pixel.
     fn default() -> Self {
         Self {
             environment: "color = [0, 0, 0]".into(),
@@ -52,12 +52,12 @@ impl Default for Shot {
 }
 
 impl Shot {
-    /// Under a white sky: what is white, and returns all light, is not to be seen.
+    /// Makes settings for a white sky: what is white, and returns all light, is not to be seen.
     pub fn furnace() -> Self {
         Self { environment: "color = [1, 1, 1]".into(), ..Self::default() }
     }
 
-    /// Under a sky that is blue below and orange above, with many samples.
+    /// Makes settings for a sky that is blue below and orange above, with many samples.
     pub fn outdoors() -> Self {
         let environment = "horizon = [0.1, 0.2, 0.5]\nzenith = [1.0, 0.8, 0.4]".into();
         Self { environment, samples: 64, depth: 6, ..Self::default() }
@@ -102,12 +102,12 @@ impl Shot {
     }
 }
 
-/// Radiances, row by row from the top.
+/// Radiances of the pixels, row by row from the top.
 #[derive(Debug, PartialEq)]
 pub struct Picture(pub Vec<DVec3>);
 
 impl Picture {
-    /// Of the pixel that shows this place of the plane z = 0.
+    /// Radiance of the pixel that shows this place of the plane z = 0.
     pub fn at(&self, x: f64, y: f64) -> DVec3 {
         let pixel = |from_edge: f64| (from_edge * SIDE as f64 / 3.0) as usize;
         self.0[pixel(1.5 - y) * SIDE + pixel(x + 1.5)]
@@ -119,7 +119,7 @@ impl Picture {
         places.map(|(x, y)| self.at(x / 8.0 - 0.45, y / 8.0 - 0.45)).sum::<DVec3>() / 64.0
     }
 
-    /// Every pixel is what `expected` says of the place in its middle, to within rounding.
+    /// Checks that every pixel is what `expected` says of the place in its middle, to within rounding.
     #[track_caller]
     pub fn assert_shows(&self, what: &str, expected: impl Fn(f64, f64) -> DVec3) {
         for (i, found) in self.0.iter().enumerate() {
@@ -130,7 +130,7 @@ impl Picture {
         }
     }
 
-    /// It is white where `inside` says so, and black elsewhere.
+    /// Checks that the picture is white where `inside` says so, and black elsewhere.
     #[track_caller]
     pub fn assert_lit(&self, what: &str, inside: impl Fn(f64, f64) -> bool) {
         self.assert_shows(what, |x, y| DVec3::splat(if inside(x, y) { 1.0 } else { 0.0 }));

@@ -1,4 +1,4 @@
-//! Where things stand: nodes, instances, cameras.
+//! Placement of things: nodes, instances, cameras.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -61,7 +61,7 @@ fn mirrored_bodies_keep_their_inside() {
     for scale in [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [-1.0, -1.0, -1.0]] {
         let asset = Asset::cube(tinted.clone()).nodes(json!([{ "mesh": 0, "scale": scale }]));
         let picture = Shot { samples: 16, depth: 4, ..Shot::furnace() }.take(&asset);
-        // Straight through a side of 1: two of the distances at which the colour is what is left.
+        // Light goes straight through a side of 1, which is two of the distances after which the colour is left.
         let expected = DVec3::new(0.25, 0.64, 0.04);
         picture.assert_at(&format!("a cube scaled by {scale:?}"), (0.06, 0.06), expected, 2e-3);
     }
@@ -104,7 +104,7 @@ fn hidden_nodes_are_not_seen() {
     Shot::default().take(&asset).assert_lit("nothing", |_, _| false);
 }
 
-/// The file alone: seen through its own camera, which stands to the right and looks along -X.
+/// The file alone is seen through its own camera, which stands to the right and looks along -X.
 #[test]
 fn cameras_of_the_file() {
     let bright = json!({ "KHR_materials_emissive_strength": { "emissiveStrength": 1000 } });
@@ -114,7 +114,7 @@ fn cameras_of_the_file() {
         { "mesh": 0, "rotation": sideways, "scale": [1, 0.5, 1] },
         { "camera": 0, "rotation": sideways, "translation": [2, 0, 0] },
     ]);
-    // Half of the height is 1 at the distance 2.
+    // Half of the picture's height is 1 at the distance 2.
     let perspective = json!({ "yfov": 2.0 * 0.5f64.atan(), "aspectRatio": 1.5, "znear": 0.1 });
     asset.json["cameras"] = json!([{ "type": "perspective", "perspective": perspective }]);
 

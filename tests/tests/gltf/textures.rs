@@ -1,4 +1,4 @@
-//! What lies on surfaces: texels, how they repeat, turn and move, vertex colours, and what they mean.
+//! Textures on surfaces: texels, how they repeat, turn and move, vertex colours, and what they mean.
 
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -6,28 +6,28 @@ use serde_json::{Value, json};
 use crate::gltf::asset::{Asset, UPRIGHT, glowing, matte, merged};
 use crate::gltf::picture::{Picture, Shot};
 
-/// Red, green; blue, white.
+/// Texels of an image: red, green; blue, white.
 const FOUR: [[[u8; 4]; 2]; 2] = [[[255, 0, 0, 255], [0, 255, 0, 255]], [[0, 0, 255, 255], [255; 4]]];
-/// Texels without anything between them.
+/// Sampler that shows texels without anything between them.
 fn nearest() -> Value {
     json!({ "magFilter": 9728 })
 }
 
-/// The colour of `FOUR` at image coordinates, which repeat.
+/// Colour of `FOUR` at image coordinates, which repeat.
 fn four(u: f64, v: f64) -> DVec3 {
     let half = |x: f64| usize::from(x.rem_euclid(1.0) >= 0.5);
     let [red, green, blue, _] = FOUR[half(v)][half(u)].map(|byte| f64::from(byte) / 255.0);
     DVec3::new(red, green, blue)
 }
 
-/// The square with `FOUR` as what it shines with, by a texture that is `info` besides.
+/// Asset of the square that shines with `FOUR`, by a texture that is `info` besides.
 fn shining(info: Value, sampler: Value, uvs: [[f32; 2]; 4]) -> Asset {
     let material = merged(glowing(), json!({ "emissiveTexture": merged(json!({ "index": 0 }), info) }));
     let rows: Vec<&[[u8; 4]]> = FOUR.iter().map(|row| &row[..]).collect();
     Asset::square(material).texture(&rows, merged(nearest(), sampler)).with("TEXCOORD_0", "VEC2", uvs.as_flattened())
 }
 
-/// The square shows at (u, v) of itself what `expected` says, and there is nothing around it.
+/// Checks that the square shows at (u, v) of itself what `expected` says, and that there is nothing around it.
 #[track_caller]
 fn assert_shows(what: &str, picture: &Picture, expected: impl Fn(f64, f64) -> DVec3) {
     picture.assert_shows(what, |x, y| {
@@ -47,7 +47,7 @@ fn images_repeat_as_samplers_say() {
     let wide = UPRIGHT.map(|uv| uv.map(|x| 4.0 * x - 1.5));
     let mirrored = |x: f64| if x.floor().rem_euclid(2.0) == 0.0 { x - x.floor() } else { 1.0 - (x - x.floor()) };
     let clamped = |x: f64| x.clamp(0.0, 0.999);
-    /// What is in the file, and what the picture shows at a point of it.
+    /// Name of the case, sampler of the file, and colour that the picture shows at a point of it.
     type Case<'a> = (&'a str, Value, &'a dyn Fn(f64, f64) -> DVec3);
     let cases: [Case<'_>; 4] = [
         ("repeat", json!({}), &four),
@@ -61,7 +61,7 @@ fn images_repeat_as_samplers_say() {
     }
 }
 
-/// Scale, then a turn that is counter-clockwise for the eye, then the offset; the scene file's table says the same.
+/// Transforms scale, then turn counter-clockwise for the eye, then offset; the scene file's table says so too.
 #[test]
 fn transforms_of_textures() {
     let degrees = 90.0f64;
@@ -112,7 +112,7 @@ fn second_coordinates() {
     assert_shows("the transform's own set", &picture, |u, v| four(v, u));
 }
 
-/// What is between texels is blended: halfway between 0 and 1 it is half of the light.
+/// Light between texels is blended: halfway between 0 and 1 it is a half.
 #[test]
 fn linear_filters_blend() {
     let material = merged(glowing(), json!({ "emissiveTexture": { "index": 0 } }));
@@ -129,7 +129,7 @@ fn linear(byte: u8) -> f64 {
     if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }
 
-/// In a furnace a matte surface is its colour: factor x texture (from sRGB) x colour of the vertices (linear).
+/// A matte surface in a furnace is its colour: factor x texture (from sRGB) x colour of the vertices (linear).
 #[test]
 fn base_colors_multiply() {
     let factor = [0.5, 0.25, 1.0f32];
@@ -154,7 +154,7 @@ fn base_colors_multiply() {
     }
 }
 
-/// From one corner to the next they change evenly. None is so dark that roulette would add noise.
+/// Vertex colours change evenly from one corner to the next. None is so dark that roulette would add noise.
 #[test]
 fn vertex_colors_are_interpolated() {
     let colors = [[0.2f32, 0.2, 0.0], [1.0, 0.2, 0.0], [1.0, 1.0, 0.0], [0.2, 1.0, 0.0]];

@@ -1,4 +1,4 @@
-//! What lets light pass: coverage, thin sheets, bodies, leaves; and what needs none: unlit surfaces.
+//! Transparency: coverage, thin sheets, bodies, leaves; and unlit surfaces, which need no light.
 
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -12,7 +12,7 @@ fn smooth(color: [f32; 3], extensions: Value) -> Value {
     json!({ "pbrMetallicRoughness": factors, "extensions": extensions })
 }
 
-/// Where alpha (factor x texture x vertices) is below the cutoff there is nothing.
+/// Nothing is there where alpha (factor x texture x vertices) is below the cutoff.
 #[test]
 fn masks_cut() {
     let texels = [[0, 0, 0, 255], [0, 0, 0, 127], [0, 0, 0, 64], [0, 0, 0, 0]];
@@ -28,7 +28,7 @@ fn masks_cut() {
         let asset = Asset::square(material).texture(&[&texels], json!({ "magFilter": 9728 }));
         Shot::default().take(&asset).assert_lit(what, |x, y| within([0.0, 0.0], [1.0, 1.0])(x, y) && x < right);
     }
-    // Their vertices' alpha multiplies too.
+    // The vertices' alpha multiplies too.
     let material = merged(glowing(), json!({ "alphaMode": "MASK" }));
     let colors = [[1.0f32, 1.0, 1.0, 0.4], [1.0, 1.0, 1.0, 0.9], [1.0, 1.0, 1.0, 0.9], [1.0, 1.0, 1.0, 0.4]];
     let asset = Asset::square(material).with("COLOR_0", "VEC4", colors.as_flattened());
@@ -49,7 +49,7 @@ fn blending_mixes() {
         let mean =
             mean.map(|(i, j)| picture.at(f64::from(i) / 8.0 + 0.06, f64::from(j) / 8.0 + 0.06)).sum::<DVec3>() / 64.0;
         let expected = DVec3::new(alpha, alpha, alpha + 0.5 * (1.0 - alpha));
-        // 65536 coins.
+        // The mean is of 65536 coins.
         assert!((mean - expected).abs().max_element() < 0.008, "alpha {alpha}: {mean}, not {expected}");
     }
 }
@@ -81,7 +81,7 @@ fn unlit_surfaces_are_their_color() {
     }
 }
 
-/// A thin sheet in a furnace: what it reflects, and the rest in its colour.
+/// A thin sheet in a furnace shows what it reflects, and the rest in its colour.
 #[test]
 fn thin_sheets_transmit_their_color() {
     let color = [0.9, 0.5, 0.1f32];
@@ -107,15 +107,15 @@ fn transmission_by_factor_and_texture() {
         other["primitives"][0]["material"] = json!(glow);
         asset.push("meshes", other);
         asset.push("nodes", lamp.clone());
-        // Two rays: nothing that is scattered finds the lamp.
+        // Paths have two rays: nothing that is scattered finds the lamp.
         let picture = Shot { samples: 4096, depth: 2, ..Shot::default() }.take(&asset);
         let found = picture.at(0.0625, 0.0625).x;
-        // What the matte part scatters backward, through the square, is none: the lamp is behind it.
+        // The matte part scatters no light backward through the square: the lamp is behind it.
         assert!((found - part).abs() < 0.03, "texel {texel}: {found} of the lamp's light, not {part}");
     }
 }
 
-/// What is left after a way of 1 through the body is the attenuation colour to the power of 1 over its distance.
+/// The light left after a way of 1 through the body is the attenuation colour to the power of 1 over its distance.
 #[test]
 fn volumes_absorb() {
     for distance in [0.5, 1.0, 4.0] {
@@ -135,7 +135,7 @@ fn volumes_absorb() {
     }
 }
 
-/// A leaf over a sky that is bright behind it alone.
+/// A leaf hangs under a sky that is bright behind it alone.
 #[test]
 fn leaves_transmit_diffusely() {
     let color = [0.2, 0.9, 0.4f32];

@@ -1,4 +1,4 @@
-//! Both integrators estimate the same picture: every kind of light on every kind of material, block by block.
+//! Agreement of the two integrators: every kind of light on every kind of material, block by block.
 
 use glam::{DAffine3, DVec3};
 use raggio_kernels::FilmPixel;
@@ -13,7 +13,7 @@ use crate::lights::{add_light, add_mesh, ball, sky};
 
 const WIDTH: u32 = 32;
 const HEIGHT: u32 = 24;
-/// Of a block, in pixels.
+/// Side of a block, in pixels.
 const BLOCK: u32 = 8;
 
 /// Two bodies of a material on a grey floor.
@@ -39,10 +39,10 @@ const STAGE: &str = "
     box = { center = [0.8, 0.5, 0.2], size = [0.7, 0.8, 0.6], rotation_degrees = [10, 30, 5] }
 ";
 
-/// Of lamps that are there in part.
+/// Material of lamps that are there in part.
 const VEIL: &str = "[materials.veil]\nprincipled = { emissive = [2, 2, 3], alpha = 0.6, alpha_mode = \"blend\" }\n";
 
-/// What it is called, and the material's keys. The principled ones come last.
+/// Names of the materials, and their keys. The principled ones come last.
 const MATERIALS: [(&str, &str); 12] = [
     ("diffuse", "color = [0.8, 0.5, 0.3]"),
     ("half a mirror", "color = [0.8, 0.8, 0.8]\nsmoothness = 0.5"),
@@ -64,9 +64,9 @@ const MATERIALS: [(&str, &str); 12] = [
     ),
 ];
 
-/// Materials without `principled`, which come first.
+/// Number of materials without `principled`, which come first.
 const SIMPLE: usize = 6;
-/// A sphere, a box and a mesh.
+/// Number of bodies: a sphere, a box and a mesh.
 const BODIES: usize = 3;
 
 type Lamp = (&'static str, fn(&mut Scene));
@@ -129,7 +129,7 @@ fn lamps() -> Vec<Lamp> {
     ]
 }
 
-/// Appends to `scene` what a file with this shape has.
+/// Adds to `scene` the shape of a file with this text, and its material where that is new.
 fn add_shape(scene: &mut Scene, material: &str, shape: &str) {
     let text = format!("{STAGE}{VEIL}[materials.subject]\n[[shapes]]\nmaterial = \"{material}\"\n{shape}\n");
     let mut parsed = parse(&text);
@@ -149,7 +149,7 @@ fn scene(material: &str, max_depth: u32, lamp: fn(&mut Scene)) -> Scene {
     scene
 }
 
-/// A stage whose bodies have a material each: the sphere, the box, and a mesh in front of them.
+/// Scene of a stage whose bodies have a material each: the sphere, the box, and a mesh in front of them.
 fn trio(materials: [&str; BODIES], lamp: fn(&mut Scene)) -> Scene {
     let mut scene = scene(materials[0], 6, |_| ());
     let place = DAffine3::from_scale_rotation_translation(
@@ -158,7 +158,7 @@ fn trio(materials: [&str; BODIES], lamp: fn(&mut Scene)) -> Scene {
         DVec3::new(0.05, 0.5, 0.9),
     );
     add_mesh(&mut scene, ball(2), place, "floor");
-    // The floor and the sphere have theirs.
+    // The floor and the sphere have their materials already.
     for (shape, keys) in scene.shapes[2..].iter_mut().zip(&materials[1..]) {
         let mut parsed = parse(&[STAGE, "[materials.subject]\n", keys, "\n"].concat());
         let subject = parsed.materials.iter().position(|m| m.name == "subject").expect("it is in the text");
@@ -187,11 +187,11 @@ fn moments(pixel: &FilmPixel) -> (f64, f64) {
     (mean, (square - mean * mean).max(0.0) / (samples - 1.0))
 }
 
-/// The largest deviation of the two pictures' blocks, in standard errors, and the mean relative standard error.
+/// Largest deviation of the two pictures' blocks, in standard errors, and the mean relative standard error.
 fn deviation(device: &TestDevice, mut scene: Scene, samples: [u32; 2]) -> (f64, f64) {
     let [path, reference] = [Integrator::Path, Integrator::Reference].map(|integrator| {
         scene.render.integrator = integrator;
-        // Independent samples.
+        // The samples of the two are independent.
         scene.render.seed = integrator as u32;
         let film = render(device.device, &scene, samples[integrator as usize]);
         assert_eq!(film.rejected(), 0, "samples without a finite value");
@@ -210,7 +210,7 @@ fn deviation(device: &TestDevice, mut scene: Scene, samples: [u32; 2]) -> (f64, 
     (largest, errors.iter().sum::<f64>() / errors.len() as f64)
 }
 
-/// Deviations of all `scenes` together: any of them this large in one of a thousand runs.
+/// Checks the deviations of all `scenes` together: any of them is this large in one of a thousand runs.
 fn assert_agree(device: &TestDevice, scenes: Vec<(String, Scene)>, samples: [u32; 2]) {
     let blocks = scenes.len() * (WIDTH / BLOCK * HEIGHT / BLOCK) as usize;
     let normal = Normal::standard();
@@ -261,7 +261,7 @@ fn the_cover_leaves_no_pair_out() {
     }
 }
 
-/// Three bodies of different materials; all pairs of a lamp and a material alone are for long tests.
+/// Bodies of different materials stand three to a scene; all pairs of a lamp and a material alone are for long tests.
 #[test]
 fn every_light_on_every_material() {
     let lamps = lamps();
@@ -303,7 +303,7 @@ fn every_light_on_every_material_alone() {
 fn depth_means_the_same() {
     for_each_device(|device| {
         let mut scenes = vec![];
-        // A light of each kind: an area, the sky, a point, and all together.
+        // The cases are a light of each kind: an area, the sky, a point, and all together.
         let chosen = device.pick(&["sphere", "sky's image", "point", "many"][..], &["sphere"]);
         let is_chosen = |lamp: &str| chosen.contains(&lamp) || (long() && !device.slow);
         for (lamp, add) in lamps().into_iter().filter(|(lamp, _)| is_chosen(lamp)) {
@@ -316,7 +316,8 @@ fn depth_means_the_same() {
     });
 }
 
-/// A diffuse ball in the middle of priorities: it and a lamp are inside water, in which a body of lower priority hides.
+/// A diffuse ball lies in the middle of priorities: it and a lamp are inside water, in which a body of lower priority
+/// hides.
 #[test]
 fn hidden_boundaries_stop_no_light() {
     let bodies = "

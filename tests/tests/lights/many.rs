@@ -9,7 +9,7 @@ use raggio_tests::{Pcg, estimate, for_each_device, parse};
 
 use crate::lights::{add_mesh, ball, sky};
 
-/// A view of the origin on a grey floor, from so near that all pixels show the same.
+/// View of the origin on a grey floor, from so near that all pixels show one radiance.
 const FLOOR: &str = "
     [render]
     width = 32
@@ -44,7 +44,7 @@ fn with_spheres(count: usize, radius: f32) -> (Scene, f64) {
     (scene, irradiance)
 }
 
-/// A hundred thousand lamps so small that none hides another: the sum of what each sends has a closed form.
+/// A hundred thousand lamps are so small that none hides another: the sum of what each sends has a closed form.
 #[test]
 fn a_hundred_thousand_spheres() {
     let (scene, irradiance) = with_spheres(100_000, 1e-4);
@@ -60,7 +60,7 @@ fn a_hundred_thousand_spheres() {
     });
 }
 
-/// The light of a mesh of 131,072 triangles that lies in one plane's half space is that of the sphere it resembles.
+/// Light of a mesh of 131,072 triangles that lies in one plane's half space is that of the sphere it resembles.
 #[test]
 fn a_lit_mesh_of_a_hundred_thousand_triangles() {
     let mut scene = parse(FLOOR);
@@ -76,7 +76,7 @@ fn a_lit_mesh_of_a_hundred_thousand_triangles() {
         let start = Instant::now();
         let found = estimate(device.device, &scene, device.pick(64, 16));
         println!("{}: error {:.2e}, {:.2?}", device.label, found.error.x / found.mean.x, start.elapsed());
-        // Its corners lie on the sphere, so it is a little smaller.
+        // The mesh's corners lie on the sphere, so it is a little smaller.
         let relative = (found.mean.x / expected - 1.0).abs();
         assert!(
             relative < 0.02 && found.error.x < 0.01 * expected,
@@ -87,7 +87,7 @@ fn a_lit_mesh_of_a_hundred_thousand_triangles() {
     });
 }
 
-/// A sun of 10^5 in one texel: the floor's radiance is the sum over the image, and the noise is small.
+/// A sun of 10^5 stands in one texel: the floor's radiance is the sum over the image, and the noise is small.
 #[test]
 fn a_sun_in_the_sky() {
     let (width, height) = (256, 128);

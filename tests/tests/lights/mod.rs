@@ -1,4 +1,4 @@
-//! Light that is looked for: what is sampled follows its density, and both integrators arrive at the same picture.
+//! Light that is looked for: samples follow their density, and both integrators arrive at one picture.
 
 mod agreement;
 mod many;
@@ -10,7 +10,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 use raggio_scene::{Bitmap, Environment, Geometry, Light, LightKind, Mesh, Part, Scene, Shape, Texels};
 
-/// A closed mesh of `8 * 4^levels` triangles: an octahedron, divided and blown up to a ball of radius 1.
+/// Closed mesh of `8 * 4^levels` triangles: an octahedron, divided and blown up to a ball of radius 1.
 fn ball(levels: u32) -> Arc<Mesh> {
     let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z];
     let mut faces: Vec<[DVec3; 3]> = vec![];
@@ -42,7 +42,7 @@ fn add_light(scene: &mut Scene, kind: LightKind, position: [f64; 3], direction: 
     scene.lights.push(Light { name: String::new(), intensity, position, direction, kind });
 }
 
-/// An image of the sky with a radiance for each texel.
+/// Environment of an image that has a radiance for each texel.
 fn sky(width: u32, height: u32, radiance: impl Fn(u32, u32) -> [f32; 3]) -> Environment {
     let texels = (0..width * height).map(|i| radiance(i % width, i / width)).collect();
     let image = Arc::new(Bitmap { width, height, texels: Texels::Rgb32F(texels) });

@@ -1,4 +1,4 @@
-//! Chi-square tests of light sampling: what is drawn, against the density of what a ray meets in each direction.
+//! Chi-square tests of light sampling: drawn directions against the density of what a ray meets in each direction.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::lights::{add_light, add_mesh, ball, sky};
 /// Bins in the cosine to the view and in the angle about it.
 const BINS: (usize, usize) = (12, 24);
 
-/// Where light is sampled for.
+/// Point that light is sampled for.
 #[derive(Clone, Copy)]
 struct Point {
     position: DVec3,
@@ -29,7 +29,7 @@ impl Point {
     }
 }
 
-/// A scene, a point in it, and the cone of directions to look at: its axis and its least cosine.
+/// Scene, a point in it, and the cone of directions to look at: its axis and its least cosine.
 struct Case {
     what: &'static str,
     scene: Scene,
@@ -61,7 +61,7 @@ fn cases() -> Vec<Case> {
         glam::DQuat::from_rotation_z(0.5),
         DVec3::new(0.4, 2.0, 0.1),
     );
-    // What faces the point: the density of triangles that are seen as slivers is too uneven to be integrated.
+    // The triangles face the point: the density of those that are seen as slivers is too uneven to be integrated.
     let mut cap = ball(1).as_ref().clone();
     cap.triangles.retain(|triangle| triangle.iter().all(|&i| cap.positions[i as usize][1] < -0.1));
     cap.parts[0].triangles = 0..cap.triangles.len();
@@ -106,7 +106,7 @@ impl Case {
         [x, y, axis]
     }
 
-    /// From 1 at the axis to 0 at the rim, and an angle about it.
+    /// Direction at `h`, from 1 at the axis to 0 at the rim, and at an angle about the axis, in turns.
     fn direction(&self, h: f64, turn: f64) -> DVec3 {
         let [x, y, z] = self.frame();
         let below = (1.0 - self.cone.1) * (1.0 - h);
@@ -116,7 +116,7 @@ impl Case {
 
     fn bin(&self, w: DVec3) -> Option<usize> {
         let [x, y, z] = self.frame().map(|axis| axis.dot(w));
-        // 1 - cosine without the difference.
+        // This is 1 - cosine without the difference.
         let below = (x * x + y * y) / (1.0 + z);
         let h = 1.0 - below / (1.0 - self.cone.1);
         let place = |x: f64, bins: usize| ((x * bins as f64) as usize).min(bins - 1);
@@ -124,7 +124,7 @@ impl Case {
         (h >= 0.0).then(|| place(h, BINS.0) * BINS.1 + place(turn, BINS.1))
     }
 
-    /// The density of what is met in each direction, integrated over each bin.
+    /// Density of what is met in each direction, integrated over each bin.
     fn expected(&self, device: &TestDevice, scene: &DeviceScene) -> Vec<f64> {
         let cells = 40;
         let mut random = Pcg::new(7);

@@ -1,4 +1,4 @@
-//! The light tree: lights are chosen as often as they say.
+//! Frequency with which the light tree chooses lights: as often as they say.
 
 use raggio_render::{DeviceScene, Probe, Question};
 use raggio_scene::{LightKind, Scene};
@@ -7,7 +7,7 @@ use raggio_tests::{Pcg, for_each_device, parse};
 
 use crate::lights::{add_light, sky};
 
-/// Spheres, rectangles, spots, points and far lights of very different brightness.
+/// Scene of spheres, rectangles, spots, points and far lights of very different brightness.
 fn motley(count: usize) -> Scene {
     let mut random = Pcg::new(11);
     let mut text = String::from("[camera]\nposition = [0, 0, 9]\nlook_at = [0, 0, 0]\nvertical_fov_degrees = 40\n");
@@ -79,7 +79,7 @@ fn lights_are_chosen_as_often_as_they_say() {
     });
 }
 
-/// What is nearer, faces the point or is brighter is more probable.
+/// Lights that are nearer, face the point or are brighter are more probable.
 #[test]
 fn likely_lights_matter() {
     let lamp = |at: f64, z: f64| {

@@ -1,5 +1,5 @@
-//! What integrators ask of a surface, whatever its material: samples, values and densities agree, in the world and where
-//! normals are bent.
+//! Answers of a surface to integrators, whatever its material: samples, values and densities agree, in the world and
+//! where normals are bent.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use raggio_render::{Answer, Probe};
 use raggio_scene::{Bitmap, Geometry, Mesh, Part, Principled, Scene, Shape, Texels, Texture};
 use raggio_tests::{Pcg, TestDevice, for_each_device, parse};
 
-/// An octahedron with the normals of a ball: no other angles between the two kinds of normals are as large.
+/// Mesh of an octahedron with the normals of a ball: no other angles between the two kinds of normals are as large.
 fn octahedron() -> Arc<Mesh> {
     let corners = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| [axis, -axis]).concat();
     let positions: Vec<_> = corners.iter().map(Vec3::to_array).collect();
@@ -20,7 +20,7 @@ fn octahedron() -> Arc<Mesh> {
     Arc::new(Mesh { positions, normals, uvs: [Some(uvs), None], triangles, parts, ..Mesh::default() })
 }
 
-/// Normals that lean by up to 40 degrees.
+/// Normal map whose normals lean by up to 40 degrees.
 fn bumps() -> Option<Texture> {
     let mut random = Pcg::new(9);
     let mut texel = |_| [0, 1, 2, 3].map(|c| if c < 2 { 50 + random.below(156) as u8 } else { 250 });
@@ -53,7 +53,7 @@ fn principled() -> Vec<(&'static str, Principled)> {
     ]
 }
 
-/// The octahedron of each material, from outside and from inside.
+/// Scenes of the octahedron of each material, from outside and from inside.
 fn scenes() -> Vec<(String, Scene)> {
     let scene = |text: &str| {
         let camera = "[camera]\nposition = [0, 0, 9]\nlook_at = [0, 0, 0]\nvertical_fov_degrees = 40\n";
@@ -75,18 +75,18 @@ fn scenes() -> Vec<(String, Scene)> {
     scenes
 }
 
-/// Origin, direction, and a number that chooses texels.
+/// Ray of a question: origin, direction, and a number that chooses texels.
 type Ray = (Vec3, Vec3, f32);
 
-/// What a question ends with.
+/// End of a question.
 enum Third {
-    /// For a sample.
+    /// Random numbers for a sample.
     Numbers([f32; 4]),
-    /// To be evaluated.
+    /// Direction to be evaluated.
     Direction(Vec3),
 }
 
-/// To the surface from both sides.
+/// Rays to the surface from both sides.
 fn rays(count: usize, random: &mut Pcg) -> Vec<Ray> {
     let mut ray = |i: usize| {
         let from = if i.is_multiple_of(3) { 0.3 * random.direction() } else { 3.0 * random.direction() };
@@ -102,12 +102,12 @@ struct Sample {
     weight: Vec3,
     pdf: f32,
     delta: bool,
-    /// As evaluated in direction `wi`.
+    /// Value evaluated in direction `wi`.
     value: Vec3,
     density: f32,
 }
 
-/// Of the surface along each ray a sample, or what it does to light from the direction that is given.
+/// Asks the surface along each ray for a sample, or for what it does to light from the direction that is given.
 fn ask(device: &TestDevice, scene: &Scene, asked: impl Iterator<Item = (Ray, Third)>) -> Vec<Sample> {
     let questions: Vec<_> = asked
         .map(|((origin, direction, texel), third)| {
@@ -155,7 +155,7 @@ fn weights_times_densities_are_values() {
     });
 }
 
-/// Whatever normals do: the light of samples with a density is the integral of the values.
+/// Light of samples with a density is the integral of the values, whatever normals do.
 #[test]
 fn samples_bring_what_values_integrate_to() {
     for_each_device(|device| {
@@ -178,7 +178,7 @@ fn samples_bring_what_values_integrate_to() {
     });
 }
 
-/// With its standard error.
+/// Mean of the values, with its standard error.
 fn mean(values: impl Iterator<Item = DVec3>, count: usize) -> (DVec3, DVec3) {
     let (sum, squares) = values.fold((DVec3::ZERO, DVec3::ZERO), |(s, q), v| (s + v, q + v * v));
     let mean = sum / count as f64;

@@ -1,4 +1,4 @@
-//! The densities in double precision, derived anew, and charts on which they have no poles.
+//! Densities in double precision, derived anew, and charts on which they have no poles.
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
@@ -15,7 +15,7 @@ pub struct Case {
     pub n: DVec3,
     pub wo: DVec3,
     pub smoothness: f64,
-    /// See [`SamplerKind`]: of rough surfaces alpha along y, or eta.
+    /// Detail that [`SamplerKind`] explains: of rough surfaces alpha along y, or eta.
     pub detail: f64,
 }
 
@@ -26,7 +26,7 @@ pub struct Chart {
     form: Form,
 }
 
-/// What h is.
+/// Meaning of h.
 enum Form {
     /// The cosine to the axis: equal areas.
     Cosine,
@@ -61,7 +61,7 @@ impl Chart {
         (1.0 - cosine * cosine).max(0.0).sqrt() * (cos * x + sin * y) + cosine * z
     }
 
-    /// (h, phi) of a sample; h may leave the range where rounding takes it.
+    /// Coordinates (h, phi) of a sample; h may leave the range where rounding takes it.
     pub fn coordinates(&self, w: DVec3) -> (f64, f64) {
         if let Form::Disk = self.form {
             return (w.length_squared(), w.y.atan2(w.x).rem_euclid(TAU));
@@ -102,9 +102,9 @@ impl Case {
         2.0 * self.n.dot(self.wo) * self.n - self.wo
     }
 
-    /// Around the normal, or around the mirror direction. Past a smoothness of 1/2 all directions lie in a cone about
-    /// that, and their density grows without bound toward its rim, as one over a root: with the root for a coordinate
-    /// the measure takes the pole away.
+    /// Chart around the normal, or around the mirror direction. Past a smoothness of 1/2 all directions lie in a cone
+    /// about that, and their density grows without bound toward its rim, as one over a root: with the root for a
+    /// coordinate the measure takes the pole away.
     pub fn chart(&self) -> Chart {
         let s = self.smoothness;
         match self.kind {
@@ -126,7 +126,7 @@ impl Case {
         }
     }
 
-    /// Per steradian, or per area of the disk.
+    /// Density of the direction w, per steradian, or of the point w, per area of the disk.
     pub fn density(&self, w: DVec3) -> f64 {
         let cosine = self.n.dot(w);
         match self.kind {
@@ -162,14 +162,15 @@ impl Case {
         DVec3::from_array(basis(self.n).map(|axis| axis.dot(w)))
     }
 
-    /// Some of the light ends between facets.
+    /// Whether some of the light ends between facets.
     pub fn loses(&self) -> bool {
         self.kind as u32 == SamplerKind::RoughDielectric as u32
     }
 
-    /// w goes through normalize((1-s) d + s m) for the unit vectors d at which the line along w crosses the sphere of
-    /// radius 1-s about s m. In the plane of w and m, with a the angle between them, sin(b) = s sin(a) / (1-s) is the
-    /// angle at which it crosses; a small patch of the sphere of d is seen foreshortened by cos(b), at distance r.
+    /// Density of interpolated directions: w goes through normalize((1-s) d + s m) for the unit vectors d at which the
+    /// line along w crosses the sphere of radius 1-s about s m. In the plane of w and m, with a the angle between them,
+    /// sin(b) = s sin(a) / (1-s) is the angle at which it crosses; a small patch of the sphere of d is seen
+    /// foreshortened by cos(b), at distance r.
     fn interpolated(&self, w: DVec3) -> f64 {
         let (s, m) = (self.smoothness, self.mirror());
         let sine = s * w.cross(m).length() / (1.0 - s);
@@ -189,8 +190,8 @@ impl Case {
             .sum()
     }
 
-    /// What single precision may make of the density at w, relative to it and absolutely: the root and the cosine to
-    /// the normal are differences of numbers up to 1, whose roundings (eight of them) weigh more the smaller the
+    /// Error that single precision may make in the density at w, relative to it and absolutely: the root and the cosine
+    /// to the normal are differences of numbers up to 1, whose roundings (eight of them) weigh more the smaller the
     /// difference.
     pub fn tolerance(&self, w: DVec3) -> f64 {
         let eight = 8.0 * 2f64.powi(-24);
@@ -219,7 +220,7 @@ impl Case {
     }
 }
 
-/// The basis of the kernels, z = n (Duff et al. 2017).
+/// Basis of the kernels, z = n (Duff et al. 2017).
 fn basis(n: DVec3) -> [DVec3; 3] {
     let sign = if n.z < 0.0 { -1.0 } else { 1.0 };
     let a = -1.0 / (sign + n.z);
@@ -228,7 +229,7 @@ fn basis(n: DVec3) -> [DVec3; 3] {
     [x, DVec3::new(b, sign + n.y * n.y * a, -n.y), n]
 }
 
-/// All samplers, each with several normals and directions of incidence, from straight to grazing.
+/// Lists all samplers, each with several normals and directions of incidence, from straight to grazing.
 pub fn cases() -> Vec<Case> {
     let normals = [DVec3::Y, DVec3::new(0.3, -0.5, 0.8), DVec3::new(-0.9, 0.1, -0.2)];
     let mut cases = vec![];
@@ -257,7 +258,8 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// Roughness 0.05, 0.3 and 1 (alpha is its square), stretched surfaces, and light from straight above to grazing.
+/// Adds cases of roughness 0.05, 0.3 and 1 (alpha is its square), stretched surfaces, and light from straight above to
+/// grazing.
 fn rough_cases(i: usize, n: DVec3, wo: &dyn Fn(f64) -> DVec3, cases: &mut Vec<Case>) {
     let cosines = [[1.0, 0.5, 0.03], [0.9, 0.3, 0.01], [0.6, 0.1, 0.05]][i];
     let mut add = |kind, cosine, alpha: f32, detail: f32| {

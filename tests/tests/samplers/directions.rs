@@ -11,9 +11,9 @@ use raggio_tests::{Pcg, TestDevice, for_each_device};
 use crate::samplers::anywhere;
 use crate::samplers::densities::{Case, Chart, cases};
 
-/// Bins in h and in phi.
+/// Number of bins in h and in phi.
 const BINS: (usize, usize) = (16, 32);
-/// Cells of a bin for its integral, in each coordinate; two Gauss points in each.
+/// Number of cells of a bin for its integral, in each coordinate; two Gauss points in each.
 const CELLS: usize = 12;
 
 fn sample_questions(case: &Case, count: usize, random: &mut Pcg) -> Vec<Question> {
@@ -62,7 +62,7 @@ fn histogram(chart: &Chart, points: impl Iterator<Item = DVec3>) -> Vec<u64> {
     counts
 }
 
-/// Draws from a device, and tests against `density`.
+/// Draws samples from a device, and tests them against `density`.
 fn test_against(device: &TestDevice, case: &Case, random: &mut Pcg, density: &dyn Fn(DVec3) -> f64) -> ChiSquare {
     let count = device.pick(1_000_000, 200_000);
     let answers = device.ask(&anywhere(), Probe::Sample, &sample_questions(case, count, random));
@@ -108,7 +108,7 @@ fn wrong_densities_are_rejected() {
     });
 }
 
-/// The density of the device is that of double precision wherever rounding leaves it digits, and the density that
+/// Densities of the device are those of double precision wherever rounding leaves them digits, and the density that
 /// comes with a sample is the density of that sample, to the bit.
 #[test]
 fn densities_are_those_of_double_precision() {
@@ -118,7 +118,7 @@ fn densities_are_those_of_double_precision() {
             let random = &mut Pcg::new(1000 + i as u64);
             let samples = device.ask(&anywhere(), Probe::Sample, &sample_questions(case, count, random));
             let drawn = samples.iter().map(|s| Vec3::from_slice(&s[0]).as_dvec3());
-            // Also of directions that are not drawn, most of them improbable or impossible.
+            // The tested directions include some that are not drawn, most of them improbable or impossible.
             let disk = case.kind as u32 == SamplerKind::UniformDisk as u32;
             let anywhere_else =
                 (0..count).map(|_| random.direction() * if disk { DVec3::new(1.2, 1.2, 0.0) } else { DVec3::ONE });
@@ -146,7 +146,8 @@ fn densities_are_those_of_double_precision() {
     });
 }
 
-/// The densities above integrate to 1: none of the light is lost or made, but for what ends between rough facets.
+/// Densities in double precision integrate to 1: none of the light is lost or made, but for what ends between rough
+/// facets.
 #[test]
 fn densities_integrate_to_one() {
     for case in cases() {

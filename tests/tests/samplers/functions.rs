@@ -6,7 +6,7 @@ use raggio_tests::{Pcg, TestDevice, for_each_device, parse};
 
 use crate::samplers::anywhere;
 
-/// Khronos PBR Neutral, as its specification puts it.
+/// Tone mapper Khronos PBR Neutral, as its specification puts it.
 fn neutral(color: DVec3) -> DVec3 {
     let low = color.min_element();
     let offset = if low < 0.08 { low - 6.25 * low * low } else { 0.04 };
@@ -22,7 +22,7 @@ fn neutral(color: DVec3) -> DVec3 {
     (color * new_peak / peak).lerp(DVec3::splat(new_peak), grey)
 }
 
-/// Hill's fit of the ACES reference and output transforms.
+/// Tone mapper of Hill's fit of the ACES reference and output transforms.
 fn aces(color: DVec3) -> DVec3 {
     let rows = |r: [[f64; 3]; 3]| DMat3::from_cols_array_2d(&r).transpose();
     let input = rows([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]]);
@@ -32,7 +32,7 @@ fn aces(color: DVec3) -> DVec3 {
     (output * fit).clamp(DVec3::ZERO, DVec3::ONE)
 }
 
-/// Wrensch's approximation of AgX, made linear again.
+/// Tone mapper of Wrensch's approximation of AgX, made linear again.
 fn agx(color: DVec3) -> DVec3 {
     let inset = DMat3::from_cols(
         DVec3::new(0.842479062253094, 0.0423282422610123, 0.0423756549057051),
@@ -49,13 +49,13 @@ fn agx(color: DVec3) -> DVec3 {
     DVec3::from_array((inset.inverse() * v).to_array().map(|x| x.clamp(0.0, 1.0).powf(2.2)))
 }
 
-/// Hable's curve, exposure bias and white included.
+/// Tone mapper of Hable's curve, exposure bias and white included.
 fn filmic(color: DVec3) -> DVec3 {
     let curve = |x: f64| (x * (0.15 * x + 0.05) + 0.004) / (x * (0.15 * x + 0.5) + 0.06) - 0.02 / 0.3;
     DVec3::from_array(color.to_array().map(|x| (curve(2.0 * x) / curve(11.2)).clamp(0.0, 1.0)))
 }
 
-/// Reinhard's equation 4, of luminance.
+/// Tone mapper of Reinhard's equation 4, of luminance.
 fn reinhard(color: DVec3) -> DVec3 {
     let luminance = color.dot(DVec3::new(0.2126, 0.7152, 0.0722));
     (color * (1.0 + luminance / 16.0) / (1.0 + luminance)).clamp(DVec3::ZERO, DVec3::ONE)
@@ -124,7 +124,7 @@ fn tone_mappers_keep_to_what_a_display_shows() {
     });
 }
 
-/// The corners and the middle of the picture, from a camera that is turned, tilted and not square.
+/// Rays go through the corners and the middle of the picture, from a camera that is turned, tilted and not square.
 #[test]
 fn pixels_become_rays() {
     let scene = parse(

@@ -9,14 +9,14 @@ use raggio_tests::{Pcg, TestDevice, for_each_device};
 
 use crate::samplers::anywhere;
 
-/// GGX in its local frame, by the textbook.
+/// Distribution of GGX in its local frame, by the textbook.
 #[derive(Clone, Copy, Debug)]
 pub struct Facets {
     pub alpha: [f64; 2],
 }
 
 impl Facets {
-    /// From the hemisphere that the facets are stretched to; not normalised.
+    /// Normal squeezed from the hemisphere that the facets are stretched to; not normalised.
     pub fn squeezed(&self, h: f64, phi: f64) -> DVec3 {
         let r = (1.0 - h * h).max(0.0).sqrt();
         DVec3::new(self.alpha[0] * r * phi.cos(), self.alpha[1] * r * phi.sin(), h)
@@ -46,7 +46,7 @@ impl Facets {
         self.visible(wo, m) / (4.0 * wo.dot(m))
     }
 
-    /// Walter's half vectors and Jacobians, with indices eta on the side of wo and 1 on the other.
+    /// Density by Walter's half vectors and Jacobians, with indices eta on the side of wo and 1 on the other.
     pub fn dielectric(&self, wo: DVec3, wi: DVec3, eta: f64) -> f64 {
         if wi.z == 0.0 {
             return 0.0;
@@ -64,13 +64,13 @@ impl Facets {
         }
     }
 
-    /// How much a rounding changes the density of wi (`eta` 1: reflected) or of a normal (none), absolutely: the normal
-    /// is a difference where the light is bent little, and the distribution as steep as alpha is small.
+    /// Change of the density of wi (`eta` 1: reflected) or of a normal (none) by a rounding, absolutely: the normal is
+    /// a difference where the light is bent little, and the distribution as steep as alpha is small.
     pub fn condition(&self, wo: DVec3, w: DVec3, eta: Option<f64>, dielectric: Option<f64>) -> f64 {
         let across = eta.map_or(w, |eta| eta * wo + w);
         let amplified = 1.0 / across.length().max(1e-9);
         let m = across * amplified * across.z.signum();
-        // Facets on edge: either side of where there are any.
+        // Facets here are on edge: there are some on one side, and none on the other.
         if m.z.abs() < 1e-5 * amplified.max(1.0) {
             return f64::INFINITY;
         }
@@ -103,12 +103,12 @@ pub fn fresnel(cosine: f64, eta: f64) -> f64 {
     (s * s + p * p) / 2.0
 }
 
-/// Both ways that a lobe can be used.
+/// Lobe of a rough surface, asked in both ways that it can be used.
 #[derive(Clone, Copy, Debug)]
 struct Lobe {
     kind: SamplerKind,
     alpha: [f32; 2],
-    /// Reflectance at normal incidence, or eta.
+    /// Reflectance at normal incidence of a mirror, or eta of a dielectric.
     detail: f32,
     compensated: bool,
 }
@@ -127,14 +127,14 @@ impl Lobe {
         [[self.kind as u32 as f32, wi.x, wi.y, wi.z], parameters, wo.extend(0.0).to_array()]
     }
 
-    /// (eval, pdf, weight) of each pair.
+    /// Asks for (eval, pdf, weight) of each pair (wo, wi).
     fn ask(&self, device: &TestDevice, pairs: &[(Vec3, Vec3)]) -> Vec<[f64; 3]> {
         let questions: Vec<_> = pairs.iter().map(|(wo, wi)| self.question(*wo, *wi)).collect();
         let answers = device.ask(&anywhere(), Probe::RoughLobe, &questions);
         answers.iter().map(|a| [a[0][0], a[0][1], a[0][2]].map(f64::from)).collect()
     }
 
-    /// Directions drawn with stratified numbers; zero vectors where none was found.
+    /// Draws directions with stratified numbers; zero vectors where none was found.
     fn sample(&self, device: &TestDevice, wo: Vec3) -> Vec<Vec3> {
         const SIDE: u32 = 128;
         let mut random = Pcg::new(7);
@@ -161,7 +161,7 @@ fn upward(random: &mut Pcg) -> Vec3 {
     w.with_z(w.z.abs().max(0.01)).normalize()
 }
 
-/// Light goes both ways alike: f(wo, wi) = f(wi, wo), over the squared index on the side of each.
+/// Light goes both ways alike: f(wo, wi) = f(wi, wo), each over the squared index on its own side.
 #[test]
 fn rough_surfaces_are_reciprocal() {
     let lobes = [
@@ -243,7 +243,7 @@ fn compensated_mirrors_pass_the_furnace() {
                 let energy = total / pairs.len() as f64;
                 (least, most) = (least.min(energy), most.max(energy));
                 let what = format!("{}: roughness {roughness}, cosine {cosine}", device.label);
-                // Samples are only so many.
+                // Samples are too few for a closer bound.
                 assert!((0.98..=1.0005).contains(&energy), "{what}: returns {energy}");
             }
         }

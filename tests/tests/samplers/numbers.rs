@@ -1,4 +1,4 @@
-//! The independent random numbers, and the sine and cosine made for them.
+//! Independent random numbers, and the sine and cosine made for them.
 
 use std::f64::consts::TAU;
 
@@ -9,15 +9,15 @@ use raggio_tests::{Pcg, TestDevice, for_each_device};
 
 use crate::samplers::anywhere;
 
-/// Pixel, sample, seed, dimension.
+/// Key of a draw: pixel in x and y, sample, seed, dimension.
 pub type Key = [u32; 5];
 
-/// Neighbours of all kinds, as renders use them: 64 x 64 pixels, 16 samples, 8 dimensions, 2 seeds.
+/// Keys that are neighbours of all kinds, as renders use them: 64 x 64 pixels, 16 samples, 8 dimensions, 2 seeds.
 fn keys() -> Vec<Key> {
     (0..1u32 << 20).map(|i| [i & 63, (i >> 6) & 63, (i >> 12) & 15, (i >> 19) & 1, (i >> 16) & 7]).collect()
 }
 
-/// What the sampler draws for each key.
+/// Draws the sampler's numbers for each key.
 pub fn numbers(device: &TestDevice, sequence: Sequence, keys: &[Key]) -> Vec<[f32; 4]> {
     let bits = |key: &Key| key.map(f32::from_bits);
     let question = |key: &Key| -> Question {
@@ -28,12 +28,12 @@ pub fn numbers(device: &TestDevice, sequence: Sequence, keys: &[Key]) -> Vec<[f3
     device.ask(&anywhere(), Probe::Random, &questions).into_iter().map(|answer| answer[0]).collect()
 }
 
-/// Expects the same of each.
+/// Expected counts, equal in all bins.
 fn flat(counts: &[u64], total: usize) -> Vec<f64> {
     vec![total as f64 / counts.len() as f64; counts.len()]
 }
 
-/// Each lane by itself.
+/// Tests each lane by itself.
 pub fn test_lanes(numbers: &[[f32; 4]], verdict: &mut Verdict) {
     for lane in 0..4 {
         let mut counts = vec![0; 1024];
@@ -42,7 +42,7 @@ pub fn test_lanes(numbers: &[[f32; 4]], verdict: &mut Verdict) {
     }
 }
 
-/// Two series of numbers against each other.
+/// Tests two series of numbers against each other.
 pub fn test_pairs(what: String, pairs: impl Iterator<Item = (f32, f32)>, verdict: &mut Verdict) {
     const SIDE: usize = 64;
     let mut counts = vec![0; SIDE * SIDE];
@@ -86,7 +86,7 @@ fn numbers_are_uniform_and_independent() {
     });
 }
 
-/// Integers and exact conversions: the same bits on every device.
+/// Integers and their exact conversions have equal bits on every device.
 #[test]
 fn devices_draw_the_same_numbers() {
     let Some(vulkan) = vulkan() else { return };
@@ -103,7 +103,7 @@ fn devices_draw_the_same_numbers() {
     }
 }
 
-/// As documented: an absolute error below 2e-7.
+/// Errors are as documented: below 2e-7, absolute.
 #[test]
 fn sine_and_cosine_are_accurate() {
     let turns: Vec<f32> = (0..=1 << 18).map(|i| i as f32 * 2f32.powi(-18)).collect();
@@ -124,7 +124,7 @@ fn sine_and_cosine_are_accurate() {
     });
 }
 
-/// As documented: an absolute error below 7e-8, from the axes to everywhere.
+/// Errors are as documented: below 7e-8, absolute, from the axes to everywhere.
 #[test]
 fn angles_are_accurate() {
     let random = &mut Pcg::new(5);
@@ -148,7 +148,8 @@ fn angles_are_accurate() {
     });
 }
 
-/// As documented: relative errors below 2e-7 of exponentials, 1e-7 of logarithms (absolute near 1); 4e-7 absolute of cosines.
+/// Errors are as documented: below 2e-7 of exponentials and 1e-7 of logarithms, relative (absolute near 1); 4e-7 of
+/// cosines, absolute.
 #[test]
 fn elementary_functions_are_accurate() {
     let random = &mut Pcg::new(6);
@@ -164,7 +165,7 @@ fn elementary_functions_are_accurate() {
             let error = |i: usize, expected: f64| (f64::from(answer[i]) - expected).abs();
             let exponential = if x > -87.0 { error(0, x.min(87.0).exp()) / x.min(87.0).exp() } else { error(0, 0.0) };
             let logarithm = if x > 0.0 { error(1, x.ln()) / x.ln().abs().max(1.0) } else { 0.0 };
-            // Of turns a float tells less the more there are.
+            // A float tells less of turns the more there are.
             let cosine = if x.abs() < 100.0 { error(2, (TAU * (x - x.floor())).cos()) } else { 0.0 };
             let errors = [exponential, logarithm, cosine];
             let allowed = [2e-7, 1e-7, 4e-7];

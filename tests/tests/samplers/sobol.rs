@@ -1,4 +1,4 @@
-//! The scrambled Sobol' points: even where they should be, random where they may be.
+//! Scrambled Sobol' points: even where they should be, random where they may be.
 
 use raggio_render::Sequence;
 use raggio_tests::statistics::Verdict;
@@ -6,7 +6,7 @@ use raggio_tests::{Pcg, for_each_device};
 
 use crate::samplers::numbers::{Key, numbers, test_lanes, test_pairs};
 
-/// Lanes a pair, and the least t for which 2^m points hold equally many in each box of 2^t points.
+/// Pairs of lanes, each with the least t for which 2^m points hold equally many in each box of 2^t points.
 const PAIRS: [(usize, usize, u32); 6] = [(0, 1, 0), (0, 2, 1), (1, 2, 1), (0, 3, 2), (1, 3, 2), (2, 3, 3)];
 
 /// Whether each of 2^a by 2^b boxes holds equally many of the points.
@@ -17,8 +17,8 @@ fn evenly(points: &[[f32; 4]], (first, a): (usize, u32), (second, b): (usize, u3
     counts.iter().all(|count| *count == points.len() >> (a + b))
 }
 
-/// Any aligned run of 2^m samples of any pixel, in any dimension: lanes 0 and 1 are a (0, m, 2)-net, the other pairs as
-/// near to one as Sobol's construction comes.
+/// Any aligned run of 2^m samples of any pixel, in any dimension, is a net: lanes 0 and 1 are a (0, m, 2)-net, the
+/// other pairs as near to one as Sobol's construction comes.
 #[test]
 fn powers_of_two_are_nets() {
     for_each_device(|device| {
@@ -39,7 +39,7 @@ fn powers_of_two_are_nets() {
     });
 }
 
-/// Over seeds, every number is uniform; and independent of the point's others, of the pixel's in other dimensions, and,
+/// Every number is uniform over seeds; and independent of the point's others, of the pixel's in other dimensions, and,
 /// past the first two digits, of the neighbours'.
 #[test]
 fn points_are_uniform_and_dimensions_independent() {
@@ -73,7 +73,7 @@ fn points_are_uniform_and_dimensions_independent() {
     });
 }
 
-/// Pairs from two dimensions, over the pixels and samples of one picture.
+/// Pairs from two dimensions are independent, over the pixels and samples of one picture.
 #[test]
 fn dimensions_of_one_picture_are_independent() {
     for_each_device(|device| {
@@ -109,13 +109,13 @@ fn pixels(samples: u32, dimension: u32) -> Vec<Key> {
     places.flat_map(|[x, y]| (0..samples).map(move |sample| [x, y, sample, 3, dimension])).collect()
 }
 
-/// Smooth integrands: the squared error of independent numbers falls with 1 / N, that of scrambled nets with 1 / N^3 but
-/// for logarithms; in four dimensions the gain is smaller for as few points.
+/// Smooth integrands gain: the squared error of independent numbers falls with 1 / N, that of scrambled nets with 1 /
+/// N^3 but for logarithms; in four dimensions the gain is smaller for as few points.
 #[test]
 fn smooth_integrands_converge_faster() {
     for_each_device(|device| {
         let pair = |u: &[f64; 4]| (u[0] * (1.0 + u[1])).exp();
-        // The integral of (e^(1 + y) - 1) / (1 + y): the series of the exponential integral, term by term.
+        // The mean is the integral of (e^(1 + y) - 1) / (1 + y): the series of the exponential integral, term by term.
         let exact_pair = (1..30).scan(1.0, |factorial, k| {
             *factorial *= f64::from(k);
             Some((2f64.powi(k) - 1.0) / (f64::from(k) * *factorial))
@@ -137,7 +137,7 @@ fn smooth_integrands_converge_faster() {
     });
 }
 
-/// The variance of the mean of blocks of 8 x 8 pixels, in parts of what it is if the pixels know nothing of each other.
+/// Variance of the mean of blocks of 8 x 8 pixels, in parts of what it is if the pixels know nothing of each other.
 fn coarse_share(errors: &[f64]) -> f64 {
     let block =
         |left: usize, top: usize| (0..64).map(|i| errors[(top + i / 8) * 64 + left + i % 8]).sum::<f64>() / 64.0;
@@ -146,7 +146,7 @@ fn coarse_share(errors: &[f64]) -> f64 {
     64.0 * mean_square(&blocks) / mean_square(errors)
 }
 
-/// With one sample, errors of neighbours make up for one another.
+/// Errors of neighbours make up for one another after one sample.
 #[test]
 fn few_samples_make_blue_noise() {
     for_each_device(|device| {

@@ -1,4 +1,4 @@
-//! The hierarchy finds what trying every shape finds.
+//! Hierarchies over shapes: they find what trying every shape finds.
 
 use std::fmt::Write;
 
@@ -10,10 +10,10 @@ use raggio_tests::{Pcg, for_each_device, parse};
 use crate::shapes::{SingleRay, found};
 
 const RAYS: usize = 50_000;
-/// Shapes lie in a cube of twice this size.
+/// Half of the side of the cube in which shapes lie.
 const ROOM: f64 = 10.0;
 
-/// Shapes of all kinds; some exactly where others are, some without thickness along an axis.
+/// Scene of shapes of all kinds; some exactly where others are, some without thickness along an axis.
 fn random_scene(count: usize, random: &mut Pcg) -> Scene {
     let mut text = String::from(
         "[camera]\nposition = [0, 0, 30]\nlook_at = [0, 0, 0]\nvertical_fov_degrees = 40
@@ -34,13 +34,13 @@ fn random_shape(random: &mut Pcg) -> String {
     let at = array(random.in_cube(ROOM));
     let size = random.log_between(0.01, 3.0);
     match random.below(20) {
-        // Around the room, not through it: the others are to be seen.
+        // Planes lie around the room, not through it: the others are to be seen.
         0 => {
             let outward = random.direction();
             format!("plane = {{ point = {}, normal = {} }}", array(1.5 * ROOM * outward), array(-outward))
         }
         1..8 => format!("sphere = {{ center = {at}, radius = {size} }}"),
-        // Along two axes: its bounds are flat.
+        // Rectangles lie along two axes: their bounds are flat.
         8..14 => {
             let axis = random.below(3);
             let (u, v) = (DVec3::AXES[axis] * size, DVec3::AXES[(axis + 1) % 3] * random.log_between(0.01, 3.0));
@@ -58,7 +58,7 @@ fn array(v: DVec3) -> String {
     format!("[{}, {}, {}]", v.x, v.y, v.z)
 }
 
-/// From inside and outside the room; a fifth along the axes, through the corners of shapes.
+/// Rays from inside and outside the room; a fifth along the axes, through the corners of shapes.
 fn random_rays(scene: &Scene, random: &mut Pcg) -> Vec<SingleRay> {
     (0..RAYS)
         .map(|i| {
@@ -74,8 +74,8 @@ fn random_rays(scene: &Scene, random: &mut Pcg) -> Vec<SingleRay> {
         .collect()
 }
 
-/// The distance must be the same to the last bit. Which of two coincident shapes is named depends on the order of
-/// trial, so the names may differ where the distances are equal; the scene decides nothing else for them.
+/// Distances must be equal to the last bit. Which of two coincident shapes is named depends on the order of trial, so
+/// the names may differ where the distances are equal; the scene decides nothing else for them.
 #[test]
 fn hierarchy_agrees_with_trial() {
     for_each_device(|device| {

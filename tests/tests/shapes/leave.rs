@@ -11,13 +11,13 @@ use crate::shapes::{SingleRay, found, place, scene_of};
 
 const RAYS: usize = 100_000;
 
-/// A ray to a shape, and the direction in which another leaves it from where the first one ends.
+/// Ray to a shape, and the direction in which another leaves it from where the first one ends.
 struct Departure {
     arriving: SingleRay,
     leaving: Vec3,
 }
 
-/// From all around, inside too, and at all angles; a third of them nearly along the surface.
+/// Departures from all around, inside too, and at all angles; a third of them nearly along the surface.
 fn departures(shape: &Geometry, random: &mut Pcg) -> Vec<Departure> {
     let (center, reach) = place(shape);
     let mut departures = vec![];
@@ -68,8 +68,8 @@ fn outward(surface: &Answer, leaving: Vec3) -> bool {
     Vec3::from_slice(&surface[2]).dot(leaving) >= 0.0
 }
 
-/// The ray as it must have left: moved along the normal by a few roundings of the surface's scale. In single precision,
-/// for where its origin is rounded to decides how far the other side of a small shape is; a GPU may fuse the product and
+/// Ray as it must have left: moved along the normal by a few roundings of the surface's scale. In single precision, for
+/// where its origin is rounded to decides how far the other side of a small shape is; a GPU may fuse the product and
 /// the sum, and then rounds to the neighbouring number.
 fn onward_ray(surface: &Answer, leaving: Vec3) -> Ray {
     let side = if outward(surface, leaving) { 1.0 } else { -1.0 };
@@ -111,7 +111,7 @@ fn leaving_rays_do_not_find_their_surface_again() {
     });
 }
 
-/// Without the offset the test above must fail, or it tests nothing.
+/// Rays that leave without the offset must fail the test above, or it tests nothing.
 #[test]
 fn without_the_offset_some_do() {
     for_each_device(|device| {

@@ -9,7 +9,7 @@ use raggio_tests::{Pcg, TestDevice};
 use crate::shapes::SingleRay;
 use crate::shapes::meshes::{ball, scene_of};
 
-/// Of the test: less than the triangles take, more than anything else does.
+/// Limit of a binding in bytes: less than the triangles take, more than anything else does.
 const LIMIT: u64 = 300_000;
 const RAYS: usize = 5000;
 

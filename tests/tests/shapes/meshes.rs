@@ -1,4 +1,4 @@
-//! Triangles, instances and both levels of the hierarchy: what trying every triangle finds.
+//! Triangles, instances and both levels of the hierarchy: they find what trying every triangle finds.
 
 use std::sync::Arc;
 
@@ -9,9 +9,9 @@ use raggio_tests::{Pcg, for_each_device, parse};
 
 use crate::shapes::SingleRay;
 
-/// In all small scenes together.
+/// Number of rays in all small scenes together.
 const RAYS: usize = 1_000_000;
-/// In the large one, of which trial tries every triangle too.
+/// Number of rays in the large scene, of which trial tries every triangle too.
 const RAYS_IN_LARGE: usize = 10_000;
 
 /// A mesh of these triangles, without anything over its vertices.
@@ -80,7 +80,7 @@ pub fn scene_of(shapes: Vec<(Arc<Mesh>, DAffine3)>, others: &str) -> Scene {
     scene
 }
 
-/// Turned, stretched unevenly, sheared or mirrored, and moved.
+/// Transform that turns, stretches unevenly, shears or mirrors, and moves.
 fn placed(room: f64, random: &mut Pcg) -> DAffine3 {
     let turn = DMat3::from_axis_angle(random.direction(), random.between(0.0, 6.0));
     let mut stretch = DMat3::from_diagonal(DVec3::from_array([(); 3].map(|()| random.log_between(0.2, 3.0))));
@@ -118,12 +118,12 @@ fn scenes() -> Vec<(&'static str, f64, Scene)> {
         ("instances", 10.0, scene_of(many.clone(), "")),
         ("all kinds", 10.0, scene_of(many, spheres)),
         ("nothing", 1.0, scene_of(vec![], "")),
-        // Its hierarchy is built in parts.
+        // The mesh's hierarchy is built in parts.
         ("a large ball", 1.5, scene_of(vec![(ball(180), still)], "")),
     ]
 }
 
-/// From anywhere, to anywhere; a third along an axis, through the corners of triangles.
+/// Rays from anywhere, to anywhere; a third along an axis, through the corners of triangles.
 fn rays(scene: &Scene, room: f64, count: usize, random: &mut Pcg) -> Vec<SingleRay> {
     let corner = |random: &mut Pcg| match &scene.shapes.get(random.below(scene.shapes.len().max(1)))?.geometry {
         Geometry::Mesh { mesh, world_from_mesh, .. } => {
@@ -147,8 +147,8 @@ fn rays(scene: &Scene, room: f64, count: usize, random: &mut Pcg) -> Vec<SingleR
     (0..count).map(ray).collect()
 }
 
-/// Distances must be the same to the last bit, whatever triangle is named where two are equally far; and whether
-/// something stands before a distance must be what the nearest says.
+/// Distances must be equal to the last bit, whatever triangle is named where two are equally far; and whether something
+/// stands before a distance must be what the nearest says.
 #[test]
 fn hierarchies_agree_with_trial() {
     for_each_device(|device| {
@@ -170,7 +170,7 @@ fn hierarchies_agree_with_trial() {
                 assert!(same, "{}, {name}: {ray:?}: trial finds {sure:?}, the hierarchy {fast:?}", device.label);
                 hits += usize::from(distance(sure) > 0.0);
             }
-            // Up to the nearest surface, up to a little behind it, and without end.
+            // The limits are the nearest surface, a little behind it, and none.
             let limit = |i: usize| match (distance(&sure[i]), i % 3) {
                 (nearest, 0) if nearest > 0.0 => nearest,
                 (nearest, 1) if nearest > 0.0 => nearest.next_up(),

@@ -13,7 +13,7 @@ use raggio_tests::parse;
 
 use glam::{DVec3, Vec3};
 
-/// Every kind, with small, large, far, thin and turned ones.
+/// Shapes of every kind, with small, large, far, thin and turned ones.
 const SHAPES: [&str; 16] = [
     "sphere = { center = [0, 0, 0], radius = 1 }",
     "sphere = { center = [0.3, -0.2, 0.1], radius = 0.001 }",
@@ -41,7 +41,7 @@ fn scene_of(shape: &str, surface_offset: bool) -> Scene {
     ))
 }
 
-/// A point about which a shape lies, and how far it reaches from there; for a plane, some part of it.
+/// Point about which a shape lies, and how far it reaches from there; for a plane, some part of it.
 fn place(shape: &Geometry) -> (DVec3, f64) {
     match *shape {
         Geometry::Mesh { .. } => unreachable!("there are no meshes here"),
@@ -76,7 +76,7 @@ impl SingleRay {
     }
 }
 
-/// What a trace found; `None` is a miss.
+/// Hit that a trace found; `None` is a miss.
 fn found(answer: &Answer) -> Option<Found> {
     let [[distance, ..], [x, y, z, _], [nx, ny, nz, _]] = *answer;
     (distance != -1.0).then(|| Found {

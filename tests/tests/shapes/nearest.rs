@@ -1,4 +1,4 @@
-//! The nearest hit of single shapes.
+//! Nearest hit of single shapes.
 
 use glam::DVec3;
 use raggio_render::Probe;
@@ -17,18 +17,18 @@ fn rays(shape: &Geometry, random: &mut Pcg) -> Vec<SingleRay> {
         .map(|i| {
             let target = center + random.in_cube(0.8 * reach);
             match i % 5 {
-                // From near, from inside and from outside.
+                // The ray starts near the shape, inside or outside.
                 0 | 1 => {
                     let origin = center + random.in_cube(3.0 * reach);
                     SingleRay::new(origin, target - origin)
                 }
-                // From ten thousand units away.
+                // The ray starts ten thousand units away.
                 2 => {
                     let origin = center + 1e4 * random.direction();
                     SingleRay::new(origin, target - origin)
                 }
                 3 => grazing(shape, random).unwrap_or_else(|| SingleRay::new(target, random.direction())),
-                // Along the axes, where components of the direction are zero.
+                // The ray goes along an axis, where components of the direction are zero.
                 _ => {
                     let axis = DVec3::AXES[random.below(3)] * if random.bits() & 1 == 0 { 1.0 } else { -1.0 };
                     SingleRay::new(target - 3.0 * reach * axis, axis)
@@ -51,8 +51,8 @@ fn grazing(shape: &Geometry, random: &mut Pcg) -> Option<SingleRay> {
     Some(SingleRay::new(ray.at(event.distance) - reach * direction, direction))
 }
 
-/// The error bound is in `geometry`: eight roundings of the numbers involved, carried through the formulas. Where
-/// that leaves a choice between hit and miss both are accepted: it does for most that graze, and for small shapes
+/// Errors stay below the bound in `geometry`: eight roundings of the numbers involved, carried through the formulas.
+/// Where that leaves a choice between hit and miss both are accepted: it does for most that graze, and for small shapes
 /// from far away. At least half of the rays must leave none, or the test would mean little.
 #[test]
 fn hits_are_those_of_double_precision() {

@@ -1,4 +1,4 @@
-//! The mean of drawn texels is the bilinear blend.
+//! Filtering of textures: the mean of drawn texels is the bilinear blend.
 
 use raggio_render::ColorSpace;
 use raggio_scene::{Texture, Wrap};
@@ -6,7 +6,7 @@ use raggio_tests::{Pcg, for_each_device};
 
 use crate::textures::{FILTERS, Lookup, WRAPS, bilinear, distance, look_up, mean, middles, place, texel, varied};
 
-/// At eighths of texels, evenly spaced random numbers choose every texel exactly as often as it weighs: all wrap modes,
+/// Evenly spaced random numbers choose every texel exactly as often as it weighs, at eighths of texels: all wrap modes,
 /// from two images before to two beyond.
 #[test]
 fn texels_are_drawn_as_they_weigh() {
@@ -28,7 +28,8 @@ fn texels_are_drawn_as_they_weigh() {
     });
 }
 
-/// Anywhere, through any transform, of images of any size: as often as evenly spaced numbers can say.
+/// Drawn texels average to the blend anywhere, through any transform, of images of any size: as often as evenly spaced
+/// numbers can say.
 #[test]
 fn drawn_texels_average_to_the_blend() {
     const NUMBERS: u32 = 1024;
@@ -61,7 +62,7 @@ fn drawn_texels_average_to_the_blend() {
     });
 }
 
-/// Without a filter the random number is of no meaning, and the texel that holds the place is found.
+/// The random number is of no meaning without a filter, and the texel that holds the place is found.
 #[test]
 fn the_nearest_texel_is_the_one_around() {
     let random = &mut Pcg::new(2);

@@ -8,7 +8,7 @@ use raggio_tests::{TestDevice, for_each_device};
 
 use crate::textures::{Lookup, look_up};
 
-/// All texels in order.
+/// Reads all texels in order.
 fn read_back(device: &TestDevice, image: &Arc<Bitmap>, space: ColorSpace) -> Vec<[f32; 4]> {
     let texture = Texture { filter: TextureFilter::Nearest, ..Texture::new(image.clone()) };
     let (width, height) = (image.width, image.height);
@@ -17,7 +17,7 @@ fn read_back(device: &TestDevice, image: &Arc<Bitmap>, space: ColorSpace) -> Vec
     look_up(device, &[(texture, space)], &(0..width * height).map(lookup).collect::<Vec<_>>())
 }
 
-/// The definition: IEC 61966-2-1.
+/// Linear value by the definition, IEC 61966-2-1.
 fn decoded(encoded: f64) -> f64 {
     if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
@@ -27,12 +27,12 @@ fn error(expected: f64, found: f32) -> f64 {
     if expected == 0.0 { f64::from(found).abs() } else { (f64::from(found) / expected - 1.0).abs() }
 }
 
-/// One rounding of the factor and one of the product.
+/// Relative error of one rounding of the factor and one of the product.
 const LINEAR_ERROR: f64 = 1.2e-7;
-/// As documented.
+/// Relative error of sRGB values as documented.
 const SRGB_ERROR: f64 = 5e-7;
 
-/// Each channel with a different number; all numbers in each.
+/// Checks an image that has a different number in each channel, and all numbers in each.
 fn check(device: &TestDevice, image: &Arc<Bitmap>, stored: impl Fn(usize, usize) -> f64) {
     let mut worst = 0.0f64;
     for (i, found) in read_back(device, image, ColorSpace::Linear).into_iter().enumerate() {
@@ -68,7 +68,7 @@ fn all_numbers_of_16_bits() {
     for_each_device(|device| check(&device, &image, |i, c| f64::from(number(i, c)) / 65535.0));
 }
 
-/// To the bit, and the alpha that is not stored is 1.
+/// Floats are equal to the bit, and the alpha that is not stored is 1.
 #[test]
 fn floats_stay_what_they_are() {
     let texels: Vec<_> = (0..250u32).map(|i| [i as f32 * 1e-3, 1.5f32.powi(i as i32 / 2), 1e-30 * i as f32]).collect();

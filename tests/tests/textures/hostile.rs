@@ -1,4 +1,4 @@
-//! Whatever the coordinates, a lookup ends in its own image.
+//! Hostile coordinates: whatever they are, a lookup ends in its own image.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Which way is up, sets of coordinates, and what wrapping does far away.
+//! Lookups of textures: which way is up, sets of coordinates, and what wrapping does far away.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use raggio_tests::{Pcg, for_each_device};
 
 use crate::textures::{FILTERS, Lookup, WRAPS, look_up, varied};
 
-/// Red, green; blue, white.
+/// Image of four texels: red, green; blue, white.
 fn four_colors() -> Arc<Bitmap> {
     let texels = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255; 4]];
     Arc::new(Bitmap { width: 2, height: 2, texels: Texels::Rgba8(texels.to_vec()) })
@@ -19,7 +19,7 @@ const GREEN: [f32; 4] = [0.0, 1.0, 0.0, 1.0];
 const BLUE: [f32; 4] = [0.0, 0.0, 1.0, 1.0];
 const WHITE: [f32; 4] = [1.0; 4];
 
-/// The centres of texels, where there is nothing to draw: (0, 0) is the top left corner, v goes down.
+/// Centres of texels have nothing to draw: (0, 0) is the top left corner, v goes down.
 #[test]
 fn the_origin_is_the_top_left_corner() {
     let texture = (Texture::new(four_colors()), ColorSpace::Linear);
@@ -31,12 +31,12 @@ fn the_origin_is_the_top_left_corner() {
     });
 }
 
-/// A quarter turn about the origin with a shift, and the other set of coordinates.
+/// The transform is a quarter turn about the origin with a shift, and the other set of coordinates is used.
 #[test]
 fn transforms_and_sets_are_applied() {
     let plain = Texture { filter: TextureFilter::Nearest, ..Texture::new(four_colors()) };
     let second = Texture { uv_set: 1, ..plain.clone() };
-    // (u, v) -> (v, 1 - u)
+    // The transform takes (u, v) to (v, 1 - u).
     let turned = Texture { transform: [[0.0, 1.0, 0.0], [-1.0, 0.0, 1.0]], ..plain.clone() };
     let textures = [plain, second, turned].map(|texture| (texture, ColorSpace::Linear));
     let uv = [[0.25, 0.25], [0.75, 0.25]];
@@ -81,7 +81,7 @@ fn distant_images_are_the_same() {
     });
 }
 
-/// An odd number of images away the mirrored image is seen from behind.
+/// The mirrored image is seen from behind an odd number of images away.
 #[test]
 fn mirrored_images_alternate() {
     let wrap = [Wrap::MirroredRepeat, Wrap::Repeat];

@@ -15,12 +15,12 @@ use raggio_tests::{Pcg, TestDevice, parse};
 const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::MirroredRepeat, Wrap::ClampToEdge];
 const FILTERS: [TextureFilter; 2] = [TextureFilter::Linear, TextureFilter::Nearest];
 
-/// Any scene, to be given textures.
+/// Scene to be given textures.
 fn anywhere() -> Scene {
     parse("[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nvertical_fov_degrees = 40\n")
 }
 
-/// A lookup: the texture's index, texture coordinates in both sets, and a random number.
+/// Arguments of a lookup: the texture's index, texture coordinates in both sets, and a random number.
 #[derive(Clone, Copy, Debug)]
 struct Lookup {
     texture: usize,
@@ -29,7 +29,7 @@ struct Lookup {
 }
 
 impl Lookup {
-    /// At the same coordinates in both sets.
+    /// Makes a lookup at equal coordinates in both sets.
     fn at(texture: usize, uv: [f32; 2], random: f32) -> Self {
         Self { texture, uv: [uv; 2], random }
     }
@@ -40,7 +40,7 @@ impl Lookup {
     }
 }
 
-/// What a device finds in `textures`.
+/// Looks up values in `textures` on a device: red, green, blue, alpha, linear.
 fn look_up(device: &TestDevice, textures: &[(Texture, ColorSpace)], lookups: &[Lookup]) -> Vec<[f32; 4]> {
     let mut table = TextureTable::default();
     let indices: Vec<_> = textures.iter().map(|(texture, space)| table.add(texture, *space).unwrap()).collect();
@@ -94,7 +94,7 @@ fn texel(texture: &Texture, x: i64, y: i64) -> [f64; 4] {
     }
 }
 
-/// Where `uv` lies, in texels from the image's top left corner.
+/// Place of `uv` in texels from the image's top left corner.
 fn place(texture: &Texture, uv: [f32; 2]) -> [f64; 2] {
     let [u, v] = uv.map(f64::from);
     let along = |row: [f32; 3], size: u32| {
@@ -119,17 +119,17 @@ fn bilinear(texture: &Texture, [x, y]: [f64; 2]) -> [f64; 4] {
     sum
 }
 
-/// Of `count` equal parts of [0, 1) the middles.
+/// Middles of `count` equal parts of [0, 1).
 fn middles(count: u32) -> impl Iterator<Item = f32> + Clone {
     (0..count).map(move |k| (k as f32 + 0.5) / count as f32)
 }
 
-/// Channel by channel.
+/// Mean of the values, channel by channel.
 fn mean(values: &[[f32; 4]]) -> [f64; 4] {
     [0, 1, 2, 3].map(|c| values.iter().map(|v| f64::from(v[c])).sum::<f64>() / values.len() as f64)
 }
 
-/// The largest difference of a channel.
+/// Largest difference of a channel.
 fn distance(a: [f64; 4], b: [f64; 4]) -> f64 {
     (0..4).map(|c| (a[c] - b[c]).abs()).fold(0.0, f64::max)
 }

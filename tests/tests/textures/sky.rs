@@ -1,4 +1,4 @@
-//! The latitude-longitude image: its centre is seen along -Z, its right along +X, its top along +Y.
+//! Latitude-longitude image of the sky: its centre is seen along -Z, its right along +X, its top along +Y.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -16,7 +16,7 @@ fn under(image: &Arc<Bitmap>, rotation_degrees: f32, intensity: f32) -> Scene {
     Scene { environment, ..anywhere() }
 }
 
-/// Radiance, and latitude-longitude coordinates, for directions.
+/// Asks for the radiance, and the latitude-longitude coordinates, of directions.
 fn look(device: &TestDevice, scene: &Scene, rays: impl IntoIterator<Item = DVec3>) -> Vec<([f32; 4], [f32; 2])> {
     let question = |ray: DVec3| -> Question { [ray.as_vec3().extend(0.0).to_array(), [0.0; 4], [0.0; 4]] };
     let questions: Vec<_> = rays.into_iter().map(question).collect();
@@ -24,19 +24,19 @@ fn look(device: &TestDevice, scene: &Scene, rays: impl IntoIterator<Item = DVec3
     device.ask_in(&scene, Probe::Sky, &questions).into_iter().map(|[a, [u, v, ..], _]| (a, [u, v])).collect()
 }
 
-/// Where the image shows a place, not yet turned.
+/// Direction in which the image, not yet turned, shows a place.
 fn direction([u, v]: [f64; 2]) -> DVec3 {
     let (sin_longitude, cos_longitude) = (TAU * (u - 0.5)).sin_cos();
     let (sin, cos) = (PI * v).sin_cos();
     DVec3::new(sin * sin_longitude, cos, -sin * cos_longitude)
 }
 
-/// The texture that a sky is, for the double-precision blend.
+/// Texture that a sky is, for the double-precision blend.
 fn as_texture(image: &Arc<Bitmap>) -> Texture {
     Texture { wrap: [Wrap::Repeat, Wrap::ClampToEdge], ..Texture::new(image.clone()) }
 }
 
-/// Counter-clockwise seen from above.
+/// Direction turned about the y axis, counter-clockwise seen from above.
 fn turned(direction: DVec3, degrees: f32) -> DVec3 {
     DMat3::from_rotation_y(f64::from(degrees).to_radians()) * direction
 }
@@ -46,9 +46,9 @@ fn the_axes_see_what_they_should() {
     let row = |texels: [f32; 4]| texels.map(|v| [v; 3]);
     let texels = [row([1.0, 2.0, 3.0, 4.0]), row([5.0, 6.0, 7.0, 8.0]), row([9.0, 10.0, 11.0, 12.0])].concat();
     let image = Arc::new(Bitmap { width: 4, height: 3, texels: Texels::Rgb32F(texels) });
-    // In the image's middle row, halfway between two columns.
+    // The places are in the image's middle row, halfway between two columns.
     let axes = [(-DVec3::Z, 6.5), (DVec3::X, 7.5), (-DVec3::X, 5.5), (DVec3::Z, 6.5)];
-    // Turned by a quarter, -Z sees what +X has seen.
+    // The image is turned by a quarter: -Z sees what +X has seen.
     let turned = [(-DVec3::Z, 7.5), (DVec3::X, 6.5), (-DVec3::X, 6.5), (DVec3::Z, 5.5)];
     for_each_device(|device| {
         for (degrees, axes) in [(0.0, axes), (90.0, turned)] {
@@ -64,7 +64,7 @@ fn the_axes_see_what_they_should() {
     });
 }
 
-/// Every texel's centre, through any turn, at any brightness.
+/// Every texel's centre is found, through any turn, at any brightness.
 #[test]
 fn texels_are_where_they_should_be() {
     let image = bright(9, 6);
@@ -84,7 +84,7 @@ fn texels_are_where_they_should_be() {
     });
 }
 
-/// Any direction, near the poles and across the seam behind the viewer too.
+/// Any direction sees the blend, near the poles and across the seam behind the viewer too.
 #[test]
 fn directions_see_the_blend() {
     let image = bright(12, 6);
@@ -110,7 +110,7 @@ fn directions_see_the_blend() {
     });
 }
 
-/// A hair from the pole the angle to it is as precise as anywhere, and at the pole it is 0.
+/// The angle to the pole is as precise a hair from it as anywhere, and 0 at the pole.
 #[test]
 fn poles_are_exact() {
     let random = &mut Pcg::new(6);
@@ -136,20 +136,20 @@ fn poles_are_exact() {
     });
 }
 
-/// Light from everywhere together, against the integral of the blend in double precision.
+/// Light from everywhere together is compared with the integral of the blend in double precision.
 #[test]
 fn the_sphere_sees_the_images_integral() {
     const SIDE: u32 = 512;
     let image = bright(16, 8);
     let texture = as_texture(&image);
-    // Along a circle of latitude, the blend's mean is that of the texels' means.
+    // The blend's mean along a circle of latitude is that of the texels' means.
     let circle = |v: f64| (0..16).map(|x| bilinear(&texture, [f64::from(x) + 0.5, 8.0 * v])[0]).sum::<f64>() / 16.0;
     let steps = 100_000;
     let expected: f64 = (0..steps)
         .map(|i| (f64::from(i) + 0.5) / f64::from(steps))
         .map(|v| circle(v) * (PI * v).sin() * TAU * PI / f64::from(steps))
         .sum();
-    // A direction in each cell of equal solid angle.
+    // The rays have a direction in each cell of equal solid angle.
     let random = &mut Pcg::new(7);
     let mut ray = |i: u32| {
         let cell = |i: u32, offset: f32| (f64::from(i) + f64::from(offset)) / f64::from(SIDE);
@@ -164,7 +164,7 @@ fn the_sphere_sees_the_images_integral() {
         let values: Vec<_> = found.iter().map(|(radiance, _)| f64::from(radiance[0])).collect();
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
-        // Of independent directions; that each cell has one makes it smaller.
+        // The variance is that of independent directions; that each cell has one makes it smaller.
         let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0);
         let error = 4.0 * PI * (variance / count).sqrt();
         let (expected, found) = (2.0 * expected, 4.0 * PI * mean);
@@ -173,14 +173,14 @@ fn the_sphere_sees_the_images_integral() {
     });
 }
 
-/// What a camera's rays see that meet nothing: in the picture's middle the image's.
+/// Rays of a camera that meet nothing see the sky: in the picture's middle the image's.
 #[test]
 fn cameras_see_it() {
     let colors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0]];
     let image = Arc::new(Bitmap { width: 4, height: 1, texels: Texels::Rgb32F(colors.to_vec()) });
     for_each_device(|device| {
-        // Turned until the camera, which looks along -Z, sees the middle of each texel; a picture of one pixel across
-        // takes in little else.
+        // The sky is turned until the camera, which looks along -Z, sees the middle of each texel; a picture of one
+        // pixel across takes in little else.
         for (degrees, color) in [135.0f32, 45.0, -45.0, -135.0].into_iter().zip(colors) {
             let mut scene = under(&image, -degrees, 0.25);
             (scene.render.width, scene.render.height) = (4, 4);

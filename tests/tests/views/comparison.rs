@@ -1,4 +1,4 @@
-//! Films beside a reference.
+//! Comparisons of films with a reference.
 
 use raggio_render::{Comparison, DeviceScene, Display, Image, Session, ToneMapper, View};
 use raggio_tests::for_each_device;
@@ -6,7 +6,7 @@ use raggio_tests::render::{displayed, load};
 
 use crate::views::{assert_alike, encoded, still_life};
 
-/// Colours that differ from pixel to pixel, some beyond white.
+/// Image of colours that differ from pixel to pixel, some beyond white.
 fn gradient(width: u32, height: u32) -> Image {
     let pixels = (0..height).flat_map(|y| {
         (0..width).map(move |x| [x as f32 / width as f32, y as f32 / height as f32, 1.5 * (x + y) as f32 / 100.0])
@@ -31,7 +31,7 @@ fn comparisons_show_what_they_say() {
         let found = displayed(&mut *session, display(Comparison::Difference));
         assert_eq!(alone, found, "{}: nothing to compare with", device.label);
 
-        // In a size of its own, so that it has to be resized.
+        // One reference has a size of its own, so that it has to be resized.
         for reference in [gradient(42, 33), gradient(30, 50)] {
             session.set_reference(Some(&reference)).expect("the reference is taken");
             let reference = reference.resized(42, 33);
@@ -61,7 +61,7 @@ fn a_reference_goes_with_the_size_or_when_told_to() {
     for_each_device(|device| {
         let mut scene = still_life();
         let mut session = load(device.device, &scene);
-        // The film is empty, so what is not black is the reference.
+        // The film is empty, so all that is not black is the reference.
         let compared = |session: &mut dyn Session, view| {
             let shown = displayed(session, Display { view, ..display(Comparison::Reference) });
             shown.windows(2).any(|pair| pair[0] != pair[1])

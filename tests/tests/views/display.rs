@@ -6,7 +6,7 @@ use raggio_tests::render::{displayed, load};
 
 use crate::views::{assert_alike, byte, encoded, still_life};
 
-/// Zucker's polynomial.
+/// Colour of Zucker's polynomial.
 fn viridis(x: f64) -> [u8; 3] {
     let coefficients = [
         [0.2777273272, 0.0054073445, 0.3340998053],
@@ -21,7 +21,7 @@ fn viridis(x: f64) -> [u8; 3] {
     [0, 1, 2].map(|channel| byte(coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c[channel])))
 }
 
-/// What `view` makes of a pixel, one stop brighter and cut off at 1 if it is a photograph.
+/// Colour that `view` makes of a pixel, one stop brighter and cut off at 1 if it is a photograph.
 fn expected(view: View, scale: f64, pixel: &FilmPixel) -> [u8; 3] {
     let mean = pixel.mean();
     let relative_error = match pixel.luminance_error() {
@@ -46,7 +46,7 @@ fn views_are_what_they_are_called() {
         let mut session = load(device.device, &scene);
         for view in View::ALL {
             session.show(view.feature()).expect("the feature is shown");
-            // None, one and more samples, in bands of rows.
+            // Bands of rows have none, one and more samples.
             session.add_samples(5..33, 0..1).expect("samples are added");
             session.add_samples(10..33, 1..8).expect("samples are added");
             let scale = match view {
@@ -65,7 +65,8 @@ fn views_are_what_they_are_called() {
     });
 }
 
-/// Against the table of matplotlib, from which the polynomial is nowhere here more than four steps off.
+/// The colours are compared with the table of matplotlib, from which the polynomial is nowhere here more than four
+/// steps off.
 #[test]
 fn viridis_is_viridis() {
     for (x, expected) in [(0.0, [68, 1, 84]), (0.25, [59, 82, 139]), (0.5, [33, 145, 140]), (1.0, [253, 231, 37])] {

@@ -1,4 +1,4 @@
-//! First-hit features against the probes, and the film of radiance beside theirs.
+//! Features of the first hit against the probes, and the film of radiance beside theirs.
 
 use glam::DVec3;
 use raggio_render::{Answer, DeviceScene, Feature, Probe, Question, Session};
@@ -20,7 +20,7 @@ const FEATURES: [Feature; 8] = [
     Feature::Material,
 ];
 
-/// Rays through the middles of all pixels, and what they meet.
+/// Rays through the middles of all pixels, and the answers of what they meet.
 fn first_hits(session: &mut dyn Session, scene: &Scene) -> Vec<(DVec3, Answer)> {
     let (width, height) = (scene.render.width, scene.render.height);
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x as f32 + 0.5, y as f32 + 0.5]));
@@ -36,7 +36,7 @@ fn first_three(v: [f32; 4]) -> DVec3 {
     glam::Vec3::from_slice(&v).as_dvec3()
 }
 
-/// By its definition.
+/// Value of a feature by its definition.
 fn expected(feature: Feature, scene: &Scene, direction: DVec3, hit: &Answer) -> DVec3 {
     let [distance, place, number, _] = hit[0];
     if distance < 0.0 {
@@ -102,7 +102,7 @@ fn devices_agree_on_features() {
     assert_eq!(vulkan.validation_messages(), [""; 0]);
 }
 
-/// In water of higher priority there is no glass sphere, only the wall behind it.
+/// No glass sphere is seen in water of higher priority, only the wall behind it.
 #[test]
 fn hidden_boundaries_are_looked_through() {
     let scene = parse(
@@ -124,7 +124,7 @@ fn hidden_boundaries_are_looked_through() {
             session.add_samples(0..5, 0..1).expect("samples are added");
             let film = session.film().expect("the film is read");
             let (found, what) = (means(&film), format!("{}, {feature:?}", device.label));
-            // Into the sphere, out of it, to the wall; past it the first ray arrives.
+            // The path goes into the sphere, out of it, to the wall; past the sphere the first ray arrives.
             assert_eq!((film.pixels()[12].rays, film.pixels()[0].rays), (3, 1), "{what}");
             let side = 30f64.to_radians().tan() * 0.8;
             for (place, direction) in [(12, DVec3::NEG_Z), (0, DVec3::new(-side, side, -1.0))] {
@@ -158,7 +158,7 @@ fn looking_at_features_leaves_the_picture_alone() {
         let pixel = session.pixel(20, 16).expect("there is such a pixel");
         assert_eq!(pixel, normals.pixels()[16 * 42 + 20], "the pixel is of the film that is shown");
 
-        // Back and forth, the last feature's film is kept; another one begins empty.
+        // The last feature's film is kept when the view goes back and forth; another one begins empty.
         session.show(Feature::Radiance).expect("radiance is shown");
         session.add_samples(rows(), 5..8).expect("samples are added");
         session.show(Feature::Normal).expect("normals are shown again");

@@ -1,4 +1,4 @@
-//! What is looked at besides the picture itself: features of the first surface, views of the film, comparisons.
+//! Views besides the picture itself: features of the first surface, views of the film, comparisons.
 
 mod comparison;
 mod display;
@@ -7,7 +7,8 @@ mod features;
 use raggio_scene::Scene;
 use raggio_tests::parse;
 
-/// All kinds of materials, bodies that overlap, and a sky that is seen. 42x33 pixels: no multiple of a workgroup or a tile.
+/// Scene of all kinds of materials, bodies that overlap, and a sky that is seen. 42x33 pixels: no multiple of a
+/// workgroup or a tile.
 fn still_life() -> Scene {
     parse(
         "[render]\nwidth = 42\nheight = 33\nmax_depth = 6\nseed = 5\n
@@ -26,7 +27,7 @@ fn still_life() -> Scene {
     )
 }
 
-/// The sRGB transfer function, to a byte.
+/// Byte of the sRGB transfer function.
 fn encoded(x: f64) -> u8 {
     let x = x.clamp(0.0, 1.0);
     byte(if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 })
@@ -36,7 +37,7 @@ fn byte(x: f64) -> u8 {
     (x.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }
 
-/// Colours may be `allowed` apart in each channel, for what rounding does to the last step.
+/// Checks that colours are at most `allowed` apart in each channel, for what rounding does to the last step.
 #[track_caller]
 fn assert_alike(what: &str, expected: &[[u8; 3]], found: &[[u8; 3]], allowed: u8) {
     assert_eq!(expected.len(), found.len(), "{what}");

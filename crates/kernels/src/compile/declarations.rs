@@ -1,4 +1,5 @@
-//! `enum X : uint { A = 0, ... }` and `static const uint N = 1;` of the Slang files, which slangc's reflection leaves out.
+//! Declarations of the Slang files that slangc's reflection leaves out: `enum X : uint { A = 0, ... }` and
+//! `static const uint N = 1;`.
 //!
 //! The build script reads them too.
 
@@ -7,25 +8,25 @@ use std::path::{Path, PathBuf};
 #[derive(Default)]
 pub struct Declarations {
     pub enumerations: Vec<Enumeration>,
-    /// Name and value.
+    /// Names and values of the constants.
     pub constants: Vec<(String, String)>,
 }
 
 pub struct Enumeration {
     pub name: String,
-    /// `A = 0,` and the comments between, in the order of the file.
+    /// Lines of the variants, such as `A = 0,`, and the comments between, in the order of the file.
     pub variants: Vec<String>,
 }
 
 impl Enumeration {
-    /// `A = 0,` without the comments between.
+    /// Lines of the variants, such as `A = 0,`, without the comments between.
     pub fn values(&self) -> impl Iterator<Item = &str> {
         self.variants.iter().map(String::as_str).filter(|line| !line.starts_with("//"))
     }
 }
 
 impl Declarations {
-    /// Of all Slang files below `kernels`.
+    /// Reads the declarations of all Slang files below `kernels`, in the order of the files' paths.
     pub fn read(kernels: &Path) -> Result<Self, String> {
         let mut files = Vec::new();
         slang_files(kernels, &mut files).map_err(|e| format!("cannot list the kernels: {e}"))?;
@@ -38,7 +39,7 @@ impl Declarations {
         Ok(declarations)
     }
 
-    /// A line each, its name first: equal for kernels that differ in comments alone.
+    /// Text of the declarations, a line each, the name first: equal for kernels that differ in comments alone.
     pub fn text(&self) -> String {
         let enumerations =
             self.enumerations.iter().map(|e| format!("{}: {}\n", e.name, e.values().collect::<String>()));

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Every entry point is a file of its name in `kernels/entry/`.
+/// Names of the entry points: each is a file of its name in `kernels/entry/`.
 pub const ENTRY_POINTS: [&str; 5] = ["path", "reference", "inspect", "display", "probe"];
 
 /// The version that the kernels are tested with; layouts and generated C++ depend on it.
 const VERSION: &str = "2026.14.1";
 
-/// The variants of the SPIR-V: how the names of their files end, and what defines them in Slang. `kernels/variant.slang`
-/// and `kernels/lists.slang` say what they are. In the order of `Variant::ALL`.
+/// Variants of the SPIR-V, in the order of `Variant::ALL`: the ending of the names of their files, and the definitions
+/// for Slang. `kernels/variant.slang` and `kernels/lists.slang` say what they are.
 pub const VARIANTS: [(&str, &[&str]); 4] = [
     ("spv", &[]),
     ("simple.spv", &["-DSIMPLE"]),
@@ -24,7 +24,7 @@ pub enum Target {
     /// C++, for the host's compiler. Programs that are built have their machine code already.
     #[allow(dead_code)]
     Cpp,
-    /// SPIR-V of the variant at this place of [`VARIANTS`].
+    /// SPIR-V of the variant at a place of [`VARIANTS`].
     Spirv(usize),
 }
 
@@ -88,7 +88,8 @@ fn drop_source_language(path: &Path) -> Result<(), String> {
     std::fs::write(path, bytes).map_err(failed)
 }
 
-/// `$SLANGC`, what `make setup` installed, `PATH`, the Vulkan SDK: the first there is. `warn` is told of an untested version.
+/// Finds slangc: `$SLANGC`, what `make setup` installed, `PATH`, the Vulkan SDK: the first there is. `warn` is told of
+/// an untested version.
 pub fn find(workspace: &Path, warn: impl FnOnce(String)) -> Result<PathBuf, String> {
     if let Some(path) = std::env::var_os("SLANGC").filter(|v| !v.is_empty()) {
         let path = PathBuf::from(path);

@@ -207,7 +207,7 @@ pub(super) struct PrimitiveExtensions {
 #[serde(rename_all = "camelCase")]
 pub(super) struct Draco {
     pub buffer_view: usize,
-    /// Draco's own numbers, which it calls unique ids.
+    /// Attributes by Draco's own numbers, which it calls unique ids.
     pub attributes: BTreeMap<String, u32>,
 }
 

@@ -53,9 +53,9 @@ pub struct GltfOptions {
     pub scene: Option<usize>,
     /// Whether buffers and images may lie outside the folder of the file.
     pub allow_outside: bool,
-    /// Larger files are refused before they are read, and the same holds for the sum of the buffers and for what is made
-    /// of them, which is also bounded by a multiple of the file's size. Images whose texels take more in all are left
-    /// out.
+    /// Most bytes of the file: larger ones are refused before they are read, and the same holds for the sum of the
+    /// buffers and for what is made of them, which is also bounded by a multiple of the file's size. Images whose
+    /// texels take more in all are left out.
     pub most_bytes: u64,
 }
 

@@ -46,7 +46,7 @@ struct Entry<T> {
 #[derive(Debug)]
 pub(super) struct Cache<T> {
     entries: HashMap<Key, Entry<T>>,
-    /// The entry of each path that has been asked for, so that asking again does not touch the disk.
+    /// Key of the entry for each path that has been asked for, so that asking again does not touch the disk.
     canonical: HashMap<Key, Key>,
     /// The paths asked for since the last sweep.
     used: HashSet<Key>,

@@ -2,7 +2,7 @@
 
 use super::Case;
 
-/// Name, text of the file, the error.
+/// Cases: name, text of the file, message of the error.
 pub const CASES: &[Case] = &[
     (
         "empty",

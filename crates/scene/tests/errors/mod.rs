@@ -1,4 +1,4 @@
-//! Every mistake in a scene file with the message that answers it, word for word.
+//! Messages that answer every mistake in a scene file, word for word.
 
 mod camera;
 mod environment;
@@ -13,7 +13,7 @@ mod types;
 
 use raggio_scene::Scene;
 
-/// Name, text of the file, the error.
+/// Case of a mistake: name, text of the file, message of the error.
 pub type Case = (&'static str, &'static str, &'static str);
 
 fn check(cases: &[Case]) {

@@ -90,7 +90,7 @@ impl<'a> Passes<'a> {
         self.transition(target, source, drawn);
     }
 
-    /// Leaves `target` as a display wants it, or as a source of copies.
+    /// Leaves `target` in the layout that a display wants, or a source of copies.
     pub(crate) fn hand_over(&mut self, target: vk::Image, layout: vk::ImageLayout) {
         let drawn = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
         self.transition(target, (Kind::Draw, drawn), (Kind::Transfer, layout));

@@ -1,4 +1,4 @@
-//! Where the principled material is something simple, it is that: in double precision, by the textbook.
+//! Closed forms of the principled material where it is something simple: in double precision, by the textbook.
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
@@ -8,7 +8,7 @@ use raggio_tests::{Pcg, TestDevice, for_each_device};
 use super::{Closure, Sample, WHITE, incident};
 use crate::samplers::microfacets::{Facets, fresnel};
 
-/// Samples whose fourth number, which chooses between reflection and refraction, is spread evenly.
+/// Draws samples whose fourth number, which chooses between reflection and refraction, is spread evenly.
 fn spread(device: &TestDevice, closure: &Closure, wo: Vec3) -> Vec<Sample> {
     let numbers: Vec<_> = (0..1000).map(|i| [0.3, 0.6, 0.5, (i as f32 + 0.5) / 1000.0]).collect();
     closure.ask_samples(device, wo, &numbers)
@@ -63,7 +63,7 @@ fn smooth_sheets_do_not_bend() {
     });
 }
 
-/// Without specular reflection what is left is Lambert's, on both sides.
+/// Diffuse light without specular reflection is Lambert's, on both sides.
 #[test]
 fn diffuse_light_is_lamberts() {
     let leaf = Closure {
@@ -85,7 +85,7 @@ fn diffuse_light_is_lamberts() {
     });
 }
 
-/// Directions above the surface, and what double precision says of them.
+/// Compares directions above the surface with what double precision says of them.
 fn assert_brdf(what: &str, closure: &Closure, expected: &dyn Fn(DVec3, DVec3) -> f64) {
     for_each_device(|device| {
         let mut random = Pcg::new(4);
@@ -102,7 +102,7 @@ fn assert_brdf(what: &str, closure: &Closure, expected: &dyn Fn(DVec3, DVec3) ->
     });
 }
 
-/// F D G / 4 cos, heights correlated.
+/// Reflection by microfacets: F D G / 4 cos, heights correlated.
 fn reflection(facets: Facets, eta: f64, wo: DVec3, wi: DVec3) -> f64 {
     let m = (wo + wi).normalize();
     let lambda = |w: DVec3| 1.0 / facets.masking(w) - 1.0;
@@ -127,7 +127,7 @@ fn coat_over_nothing_is_its_microfacets() {
     assert_brdf("coat", &coat, &|wo, wi| 0.7 * reflection(facets, 1.0 / 1.5, wo, wi));
 }
 
-/// KHR_materials_sheen's distribution and masking.
+/// Sheen has the distribution and masking of KHR_materials_sheen.
 #[test]
 fn sheen_over_nothing_is_charlies() {
     let alpha = f64::from(0.6f32).powi(2);
@@ -147,8 +147,9 @@ fn sheen_over_nothing_is_charlies() {
     });
 }
 
-/// A film on metal: all its reflections by Airy's formula, wavelength by wavelength, and then what the eye makes of it.
-/// The eye's Gaussians and the reflectances of the two boundaries are those of KHR_materials_iridescence.
+/// Reflectance of a film on metal: all its reflections by Airy's formula, wavelength by wavelength, and then what the
+/// eye makes of it. The eye's Gaussians and the reflectances of the two boundaries are those of
+/// KHR_materials_iridescence.
 fn airy(f0: f64, ior: f64, thickness: f64, cosine: f64, channel: usize) -> f64 {
     let schlick = |r: f64, c: f64| r + (1.0 - r) * (1.0 - c).powi(5);
     let boundary = |ratio: f64| ((ratio - 1.0) / (ratio + 1.0)).powi(2);
@@ -158,7 +159,7 @@ fn airy(f0: f64, ior: f64, thickness: f64, cosine: f64, channel: usize) -> f64 {
     let (upper, lower) = (schlick(boundary(ior), cosine), schlick(boundary(base / ior), inside));
     let shift = PI + if base < ior { PI } else { 0.0 };
 
-    // The mean over phases, and what each wave number (per metre) has beyond it.
+    // `steady` is the mean over phases; each wave number (per metre) has something beyond it.
     let steady = upper + (1.0 - upper).powi(2) * lower / (1.0 - upper * lower);
     let amplitude = (upper * lower).sqrt();
     let beyond = |wave_number: f64| {
@@ -166,7 +167,7 @@ fn airy(f0: f64, ior: f64, thickness: f64, cosine: f64, channel: usize) -> f64 {
         let turned = 1.0 + amplitude * amplitude - 2.0 * amplitude * phase;
         1.0 - (1.0 - upper) * (1.0 - lower) / turned - steady
     };
-    // Height, place and width of the Gaussians of X (two), Y and Z.
+    // The Gaussians of X (two), Y and Z have a height, a place and a width each.
     let gaussians = [
         (0, 5.4856e-13, 1.6810e6, 4.3278e9),
         (0, 9.7470e-14, 2.2399e6, 4.5282e9),
@@ -190,7 +191,7 @@ fn airy(f0: f64, ior: f64, thickness: f64, cosine: f64, channel: usize) -> f64 {
 
 #[test]
 fn films_on_metal_are_airys() {
-    // All with a larger index than the films, so that every channel has the same shift of phase.
+    // All channels have a larger index than the films, so that every channel has one shift of phase.
     let color = Vec3::new(0.6, 0.3, 0.15);
     for_each_device(|device| {
         let mut colors: Vec<Vec3> = vec![];

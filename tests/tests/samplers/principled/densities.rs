@@ -1,4 +1,4 @@
-//! Samples follow the density that is stated, and their weights are what it says.
+//! Samples of the principled material: they follow the density that is stated, and their weights are what it says.
 
 use std::f64::consts::TAU;
 
@@ -8,9 +8,9 @@ use raggio_tests::{Pcg, TestDevice, for_each_device};
 
 use super::{Closure, Sample, WHITE, closures, incident};
 
-/// Bins in the cosine, from -1 to 1, and in the angle around the normal.
+/// Number of bins in the cosine, from -1 to 1, and in the angle around the normal.
 const BINS: (usize, usize) = (16, 24);
-/// Places in a bin, in each coordinate.
+/// Number of places in a bin, in each coordinate.
 const PLACES: usize = 16;
 
 fn samples(device: &TestDevice, closure: &Closure, wo: Vec3, count: usize) -> Vec<Sample> {
@@ -19,7 +19,7 @@ fn samples(device: &TestDevice, closure: &Closure, wo: Vec3, count: usize) -> Ve
     closure.ask_samples(device, wo, &numbers)
 }
 
-/// The middles of the `PLACES` x `PLACES` parts of every bin, bin by bin.
+/// Middles of the `PLACES` x `PLACES` parts of every bin, bin by bin.
 fn places() -> Vec<Vec3> {
     let place = |i: usize| {
         let (bin, part) = (i / (PLACES * PLACES), i % (PLACES * PLACES));
@@ -77,7 +77,7 @@ fn samples_follow_their_density() {
     });
 }
 
-/// The density with a sample is that of its direction, and its weight is the value over it.
+/// Densities that come with samples are those of their directions, and weights are the values over them.
 #[test]
 fn weights_are_values_over_densities() {
     for_each_device(|device| {
@@ -98,7 +98,7 @@ fn weights_are_values_over_densities() {
     });
 }
 
-/// What is smooth has no density and no value, and the rest beside it has.
+/// Smooth lobes have no density and no value, and the rest beside them has.
 #[test]
 fn smooth_lobes_are_apart() {
     let smooth = Closure { roughness: 0.0, ..WHITE };

@@ -1,4 +1,4 @@
-//! Energy: what is white returns all light, and nothing makes any.
+//! Energy in a white furnace: white materials return all light, and nothing makes any.
 
 use glam::Vec3;
 use raggio_tests::{TestDevice, for_each_device};
@@ -8,7 +8,7 @@ use super::{Closure, WHITE, closures, incident};
 const ROUGHNESSES: [f32; 11] = [0.0, 0.032, 0.06, 0.1, 0.15, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0];
 const COSINES: [f32; 8] = [1.0, 0.8, 0.55, 0.3, 0.12, 0.05, 0.02, 0.005];
 
-/// White materials of every kind, but for their roughness.
+/// Closures of white materials of every kind, but for their roughness.
 fn white() -> Vec<(String, Closure)> {
     let mut all = vec![];
     let mut add = |what: String, closure: Closure| all.push((what, closure));
@@ -87,7 +87,7 @@ fn white_materials_return_all_light() {
                     let returns = format!("{case}: returns {} +- {error}", energy.x);
                     assert!(error < device.pick(6e-3, 3e-2), "{returns}, which is too uncertain");
                     assert!(energy.x >= 0.98 - device.pick(0.0, 3.0 * error), "{returns}");
-                    // The tables of what facets return hold to 2e-4.
+                    // The tables of the facets' albedos hold to 2e-4.
                     assert!(energy.x <= 1.0 + 2e-4 + 4.0 * error, "{returns}");
                 }
             }

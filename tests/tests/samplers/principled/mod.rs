@@ -11,17 +11,17 @@ use raggio_tests::TestDevice;
 
 use crate::samplers::anywhere;
 
-/// `PrincipledClosure` of the kernels.
+/// Arguments of a material at a point, `PrincipledClosure` of the kernels.
 #[derive(Clone, Copy, Debug)]
 pub struct Closure {
     base_color: Vec3,
     metallic: f32,
-    /// Perceptual.
+    /// Perceptual roughness.
     roughness: f32,
     anisotropy: f32,
     specular: f32,
     specular_color: Vec3,
-    /// Index on the side of wo over the other side's.
+    /// Refractive index on the side of wo over the other side's.
     eta: f32,
     transmission: f32,
     thin_walled: bool,
@@ -38,7 +38,7 @@ pub struct Closure {
     iridescence_thickness: f32,
 }
 
-/// White plastic.
+/// Closure of white plastic.
 const WHITE: Closure = Closure {
     base_color: Vec3::ONE,
     metallic: 0.0,
@@ -62,7 +62,7 @@ const WHITE: Closure = Closure {
     iridescence_thickness: 400.0,
 };
 
-/// What `PrincipledClosure.sample` returned.
+/// Result of `PrincipledClosure.sample`.
 #[derive(Clone, Copy, Debug)]
 struct Sample {
     wi: Vec3,
@@ -115,7 +115,7 @@ impl Closure {
         device.ask(&anywhere(), probe, &all)[3..].to_vec()
     }
 
-    /// (BSDF x cosine, density) of each pair (wo, wi).
+    /// Evaluates (BSDF x cosine, density) of each pair (wo, wi).
     fn eval(&self, device: &TestDevice, pairs: &[(Vec3, Vec3)]) -> Vec<(Vec3, f32)> {
         let questions = pairs.iter().map(|(wo, wi)| [wo.extend(0.0).to_array(), wi.extend(0.0).to_array(), [0.0; 4]]);
         let answers = self.ask(device, Probe::PrincipledEval, questions);
@@ -137,7 +137,7 @@ impl Closure {
             .collect()
     }
 
-    /// Part of the light from each `wo` that goes on, and the standard error of that: of 16 lattices of `count` samples.
+    /// Part of the light from each `wo` that goes on, and its standard error: of 16 lattices of `count` samples.
     fn energies(&self, device: &TestDevice, wos: &[Vec3], count: u32) -> Vec<(Vec3, f32)> {
         const LATTICES: usize = 16;
         let lattices = |wo: &Vec3| {
@@ -155,13 +155,13 @@ impl Closure {
     }
 }
 
-/// At this cosine to the normal, to both sides of the tangents.
+/// Direction at this cosine to the normal, at an angle to both tangents.
 fn incident(cosine: f32) -> Vec3 {
     let across = (1.0 - cosine * cosine).sqrt();
     Vec3::new(0.8 * across, 0.6 * across, cosine)
 }
 
-/// Every lobe alone, and mixtures.
+/// Closures of every lobe alone, and of mixtures.
 fn closures() -> Vec<(&'static str, Closure)> {
     let colored = Vec3::new(0.9, 0.5, 0.2);
     let glass = Closure { transmission: 1.0, ..WHITE };

@@ -1,4 +1,4 @@
-//! Light goes both ways alike.
+//! Reciprocity: light goes both ways alike.
 
 use glam::Vec3;
 use raggio_tests::{Pcg, for_each_device};
@@ -10,7 +10,7 @@ fn upward(random: &mut Pcg) -> Vec3 {
     w.with_z(w.z.abs().max(0.02)).normalize()
 }
 
-/// The surface as light sees it that comes back: for transmitted light, from the other side.
+/// Closure as the light sees it that comes back: for transmitted light, from the other side.
 fn reversed(closure: &Closure, below: bool) -> Closure {
     if !below || closure.thin_walled {
         return *closure;
@@ -18,7 +18,8 @@ fn reversed(closure: &Closure, below: bool) -> Closure {
     Closure { eta: 1.0 / closure.eta, outside: !closure.outside, ..*closure }
 }
 
-/// The base, and coat and sheen over nothing: what these keep from each other is by the direction seen alone.
+/// Closures of the base, and of coat and sheen over nothing: what these keep from each other is by the direction seen
+/// alone.
 fn reciprocal() -> Vec<(&'static str, Closure)> {
     let nothing = Closure { base_color: Vec3::ZERO, specular: 0.0, ..WHITE };
     let mut all: Vec<_> = closures()
@@ -30,7 +31,7 @@ fn reciprocal() -> Vec<(&'static str, Closure)> {
     all
 }
 
-/// f(wo, wi) = f(wi, wo), over the squared index on the side of each.
+/// Values are f(wo, wi) = f(wi, wo), each over the squared index on its own side.
 #[test]
 fn bases_are_reciprocal() {
     for_each_device(|device| {
