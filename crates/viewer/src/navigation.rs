@@ -1,4 +1,4 @@
-//! How the camera moves. Pure mathematics: a camera and a motion go in, a camera comes out.
+//! Movements of the camera as pure mathematics: a camera and a motion go in, a camera comes out.
 //!
 //! Conventions: angles are in radians, lengths in the scene's unit. The camera's `up`, made a unit vector, is the
 //! *vertical*: it never changes, and no movement tilts the horizon against it. *Pitch* is the angle of the viewing
@@ -28,7 +28,7 @@ use view::{camera_heading, heading, moved, pitch_of, pitched, turned, vertical};
 
 /// Share of the picture's smaller side that [`focus_on`] gives the diameter of the sphere.
 const FILLED: f64 = 0.85;
-/// The most that one [`dolly`] approaches.
+/// Least factor of one [`dolly`], which approaches to this part of the distance and not beyond.
 const LEAST_FACTOR: f64 = 1e-3;
 
 /// Moves position and `look_at` together by `distance` times `motion`: to the right, along the vertical, forward.
@@ -38,7 +38,7 @@ pub fn fly(camera: &Camera, motion: Vec3, distance: f32) -> Camera {
     translate(camera, right * motion.x + vertical(camera) * motion.y + forward * motion.z)
 }
 
-/// Turns the camera on the spot; `look_at` keeps its distance.
+/// Turns the camera on the spot by `yaw` and `pitch`, in radians; `look_at` keeps its distance.
 pub fn look(camera: &Camera, yaw: f32, pitch: f32) -> Camera {
     let position = camera.position.as_dvec3();
     let towards = camera.look_at.as_dvec3() - position;
@@ -46,8 +46,8 @@ pub fn look(camera: &Camera, yaw: f32, pitch: f32) -> Camera {
     moved(camera, position, position + forward * towards.length())
 }
 
-/// Turns the camera about `pivot`, which stays where it is in the picture. The viewing direction turns by the same
-/// angles as it does in [`look`], so that with positive pitch the camera sinks.
+/// Turns the camera about `pivot`, which stays where it is in the picture, by `yaw` and `pitch` in radians. The viewing
+/// direction turns by the same angles as it does in [`look`], so that with positive pitch the camera sinks.
 pub fn orbit(camera: &Camera, pivot: Vec3, yaw: f32, pitch: f32) -> Camera {
     let before = axes(camera);
     let forward = turned(camera, yaw.into(), pitch.into());

@@ -2,9 +2,9 @@
 
 use raggio_scene::Vec3;
 
-/// After this long a velocity has come 63 % closer to the one that is wanted.
+/// Time constant of the smoothing: after it a velocity has come 63 % closer to the one that is wanted.
 const SMOOTHING_SECONDS: f64 = 0.06;
-/// A pause between two frames is not flown through.
+/// Longest frame that is flown through; a pause between two frames is not.
 const LONGEST_FRAME_SECONDS: f64 = 0.25;
 /// Share of the speed below which what has been released stands still.
 const REST: f32 = 1e-3;
@@ -51,7 +51,7 @@ impl Motion {
         displacement.as_vec3()
     }
 
-    /// Whether it is not at rest.
+    /// Whether the velocity is not zero.
     pub fn is_moving(&self) -> bool {
         self.velocity != Vec3::ZERO
     }
