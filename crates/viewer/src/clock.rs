@@ -19,8 +19,8 @@ pub enum Pace {
     Display,
     /// Frames still follow hands, but take longer where a device needs the time to show more than mush.
     Fluent,
-    /// Nobody moves anything: where frames are costly, as with a display drawn in software, fewer of them leave more time
-    /// for samples.
+    /// Nobody moves anything: where frames are costly, as with a display drawn in software, fewer of them leave more
+    /// time for samples.
     Alone,
 }
 

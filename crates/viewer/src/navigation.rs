@@ -8,8 +8,8 @@
 //! The focus stays where it is, at its distance from the camera, unless it is the distance of `look_at` and the lens is
 //! closed: then it follows, because it says nothing.
 //!
-//! A movement to where 32 bits end, or by what is not a number, leaves the camera as it was. `look_at` keeps so far from
-//! the camera (1e-4 of the coordinates) that rounding does not turn the view.
+//! A movement to where 32 bits end, or by a value that is not a number, leaves the camera as it was. `look_at` keeps so
+//! far from the camera (1e-4 of the coordinates) that rounding does not turn the view.
 
 mod bookmarks;
 mod motion;
@@ -94,17 +94,17 @@ pub fn focus_on(camera: &Camera, center: Vec3, radius: f32, aspect: f32) -> Came
     new
 }
 
-/// Puts the plane in focus through a point: its distance is taken along the viewing direction. A point behind the camera
-/// changes nothing.
+/// Puts the plane in focus through a point: its distance is taken along the viewing direction. A point behind the
+/// camera changes nothing.
 pub fn set_focus(camera: &Camera, point: Vec3) -> Camera {
     let distance = (point.as_dvec3() - camera.position.as_dvec3()).dot(axes(camera).forward) as f32;
     let focus_distance = if distance >= 1e-15 && distance.is_finite() { distance } else { camera.focus_distance };
     Camera { focus_distance, ..camera.clone() }
 }
 
-/// Looks at the same point, over the same distance, from `direction` of it: `Vec3::Z` is the front, `Vec3::X` the right,
-/// `Vec3::Y` the top. Straight from above or below it keeps its heading and looks as steeply as it may, 89°, because at
-/// 90° nothing would say where up is.
+/// Looks at the same point, over the same distance, from `direction` of it: `Vec3::Z` is the front, `Vec3::X` the
+/// right, `Vec3::Y` the top. Straight from above or below it keeps its heading and looks as steeply as it may, 89°,
+/// because at 90° nothing would say where up is.
 pub fn view_from(camera: &Camera, direction: Vec3) -> Camera {
     let forward = -direction.as_dvec3().normalize_or_zero();
     if forward == DVec3::ZERO {

@@ -36,7 +36,8 @@ pub struct Motion {
 
 impl Motion {
     /// The displacement over `dt` seconds, along whatever axes `wanted` is given in. `wanted` is the direction of the
-    /// keys held, zero when there are none, and counts as a unit vector where it is longer; `speed` is in units a second.
+    /// keys held, zero when there are none, and counts as a unit vector where it is longer; `speed` is in units a
+    /// second.
     pub fn advance(&mut self, dt: f32, wanted: Vec3, speed: f32) -> Vec3 {
         let seconds = f64::from(dt).clamp(0.0, LONGEST_FRAME_SECONDS);
         let target = (wanted.clamp_length_max(1.0) * speed).as_dvec3();

@@ -23,7 +23,8 @@ impl Viewer {
         self.tracer.set_view(look.view)
     }
 
-    /// Adds samples for as long as the frame has time: to what is seen until there is a picture, then to what is exported.
+    /// Adds samples for as long as the frame has time: to the film until there is a whole picture, then to an export if
+    /// there is one.
     pub(crate) fn sample(&mut self) -> Result<(), ViewError> {
         let pace = match () {
             () if self.tracer.is_coarse() => Pace::Fluent,
@@ -96,8 +97,8 @@ impl Viewer {
         Ok(shown.then(|| denoising.picture(look.of_files())).flatten())
     }
 
-    /// Reads what is under a point of the picture (0 to 1 from the top left), and a row of the film for the statistics; as
-    /// long as there is a panel to show them.
+    /// Reads the pixel and the surface under a point of the picture (0 to 1 from the top left), and a row of the film
+    /// for the statistics, as long as there is a panel to show them.
     pub(crate) fn read(&mut self, cursor: Option<[f32; 2]>) -> Result<(), ViewError> {
         self.reading = None;
         if !self.settings.panels {
