@@ -17,7 +17,7 @@ pub enum Command {
     EndGesture,
     /// Takes the last edit back.
     Undo,
-    /// Does again what was taken back.
+    /// Redoes the edit that was taken back.
     Redo,
     /// Writes the scene to its file, or to another.
     Save(Option<PathBuf>),

@@ -35,7 +35,7 @@ pub enum ViewError {
     /// The scene cannot be changed like that.
     #[error(transparent)]
     Edit(#[from] EditError),
-    /// There is no picture without noise.
+    /// A picture cannot be denoised.
     #[error(transparent)]
     Denoise(#[from] DenoiseError),
     /// A script is wrong.
@@ -64,7 +64,7 @@ pub enum ViewError {
         /// File of the scene with the changes.
         path: PathBuf,
     },
-    /// There is nowhere to open a window.
+    /// A window cannot open, for lack of a display or a library.
     #[error("cannot open a window: {0}; `raggio render` needs none")]
     NoDisplay(String),
 }

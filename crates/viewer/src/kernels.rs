@@ -23,8 +23,8 @@ pub struct KernelWatch {
 }
 
 impl KernelWatch {
-    /// Watches the kernels of a folder; `wake` is called after each change and each compilation: [`poll`](Self::poll)
-    /// then.
+    /// Watches the kernels of a folder. `wake` is called after each change and each compilation; each time call
+    /// [`poll`](Self::poll).
     pub fn new(folder: &Path, wake: impl Fn() + Send + Clone + 'static) -> Result<Self, ViewError> {
         let unwatched = |error: notify::Error| ViewError::File {
             path: folder.to_owned(),
@@ -85,7 +85,7 @@ mod tests {
 
     use super::*;
 
-    /// Polls until `answer` knows.
+    /// Polls until `answer` returns a value.
     fn wait_for<T>(watch: &mut KernelWatch, answer: impl Fn(&mut KernelWatch) -> Option<T>) -> T {
         let deadline = Instant::now() + Duration::from_secs(120);
         loop {

@@ -143,7 +143,7 @@ fn write_section(toml: &mut DocumentMut, key: &str, fields: &[Field]) {
 /// The scene's table of this key; if it is not there it is added beside that of the camera, which every scene has.
 pub(super) fn section<'a>(toml: &'a mut DocumentMut, key: &str) -> &'a mut Item {
     let camera = toml.get("camera").and_then(Item::as_table).and_then(Table::position);
-    // The one that was added last is written last of two tables with one place.
+    // Two tables may have one place: the one that was added is written last.
     let place = camera.map(|place| if key == "render" { place - 1 } else { place });
     toml.entry(key).or_insert_with(|| {
         let mut table = Table::new();

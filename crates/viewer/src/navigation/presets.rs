@@ -8,8 +8,7 @@ pub enum Preset {
     Raggio,
     /// Buttons of Blender: the middle one orbits, pans with Shift, and goes closer and farther with Ctrl.
     Blender,
-    /// Buttons of three.js on web pages: the left one orbits, the middle one goes closer and farther, the right one
-    /// pans.
+    /// Buttons of three.js on web pages: left orbits, middle goes closer and farther, right pans.
     OrbitControls,
     /// Buttons of a game seen through the player's eyes: the left and the right one look around, the middle one pans.
     Game,

@@ -55,8 +55,8 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Ve
     sky::show(ui, scene, commands);
 }
 
-/// Draws the button that goes to the selected shape; a plane is everywhere, so that there is no going to it. True when
-/// clicked.
+/// Draws the button that goes to the selected shape and returns whether it was clicked; a plane is everywhere, so that
+/// there is no going to it.
 fn go_to(ui: &mut Ui, viewer: &Viewer) -> bool {
     ui.add_enabled(viewer.outline.is_some(), egui::Button::new("Go to")).on_hover_text("double click").clicked()
 }

@@ -41,8 +41,8 @@ fn an_orbit_keeps_its_distance_to_the_point_that_was_under_the_cursor() {
         assert!(pilot.steer(&drag(Button::Left, [0.02, 0.005]), 0.016, nothing).expect("no device"));
         assert!(((pilot.camera().position - pivot).length() - 3.0).abs() < 1e-4);
     }
-    // The mouse moves right and the camera left around the object, which seems to turn with the hand; and down: above
-    // it.
+    // The mouse moves right and the camera left around the object, which seems to turn with the hand; the mouse moves
+    // down and the camera above it.
     assert!(pilot.camera().position.x < -0.5 && pilot.camera().position.y > 1.1);
 }
 

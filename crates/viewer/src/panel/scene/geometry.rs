@@ -83,7 +83,7 @@ fn scale(ui: &mut Ui, scale: &mut Vec3) {
     }
 }
 
-/// `edge` turned to a right angle with `other`, its length kept; as it is where that cannot be.
+/// `edge` turned to a right angle with `other`, its length kept; unchanged where that cannot be.
 fn perpendicular(edge: Vec3, other: Vec3) -> Vec3 {
     let (edge_64, other) = (edge.as_dvec3(), other.as_dvec3());
     let rest = edge_64 - other * (edge_64.dot(other) / other.length_squared());
