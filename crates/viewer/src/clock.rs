@@ -1,64 +1,64 @@
-//! How long frames take: what the panel shows, and what benchmarks report.
+//! Times of frames, which the panel shows and benchmarks report.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-/// No frame spends more seconds on samples, or the window would seem to hang.
+/// Most seconds that a frame spends on samples; with more the window would seem to hang.
 const SLOWEST: f64 = 0.1;
 
-/// At this many seconds from frame to frame motion still looks like motion, even if one comes late.
+/// Seconds from frame to frame at which motion still looks like motion, even if one comes late.
 const FLUENT: f64 = 1.0 / 38.0;
 
 /// Part of a frame's time that is planned for: what comes a moment too late is shown a whole frame too late.
 const PUNCTUAL: f64 = 0.85;
 
-/// What frames are for at the moment.
+/// Purpose of frames at the moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
-    /// To follow hands at the display's own rate.
+    /// Frames follow hands at the display's own rate.
     Display,
-    /// To follow them still, where a device needs the time to show more than mush.
+    /// Frames still follow hands, but take longer where a device needs the time to show more than mush.
     Fluent,
-    /// Nobody moves anything: where frames are costly, as with a display drawn in software, fewer of them leave more time
-    /// for samples.
+    /// Nobody moves anything: where frames are costly, as with a display drawn in software, fewer of them leave more
+    /// time for samples.
     Alone,
 }
 
 /// Measures frames, and says how much of one may be spent on samples.
 pub struct Clock {
-    /// From one frame to the next, as the display wants it.
+    /// Time from one frame to the next, as the display wants it.
     interval: Duration,
     began: Instant,
-    /// Smoothed, from one frame's start to the next one's.
+    /// Seconds from one frame's start to the next one's, smoothed.
     period: f64,
-    /// Smoothed, of everything in a frame but the samples.
+    /// Seconds of everything in a frame but the samples, smoothed.
     overhead: f64,
     sampled: f64,
-    /// Smoothed, of the seconds that samples took beyond what they were given.
+    /// Seconds that samples took beyond those that they were given, smoothed.
     excess: f64,
-    /// Of the section under way, in milliseconds.
+    /// Frame times of the section under way, in milliseconds.
     frames: Option<Vec<f64>>,
     section: String,
     sections: BTreeMap<String, Vec<f64>>,
 }
 
-/// What became of the frames of one section of a script.
+/// Statistics of the frame times in one section of a script.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pacing {
-    /// As the script calls it.
+    /// Name of the section in the script.
     pub section: String,
-    /// How many there were.
+    /// Number of frames.
     pub frames: usize,
-    /// Half of them took no longer, in milliseconds.
+    /// Median of the frame times, in milliseconds.
     pub median: f64,
-    /// 99 of 100 took no longer, in milliseconds.
+    /// Frame time that 99 of 100 frames do not exceed, in milliseconds.
     pub percentile_99: f64,
-    /// The longest, in milliseconds.
+    /// The longest frame time, in milliseconds.
     pub longest: f64,
 }
 
 impl Clock {
-    /// For a display with so many seconds from frame to frame.
+    /// Creates a clock for a display with so many seconds from frame to frame.
     pub fn new(interval: f64) -> Self {
         Self {
             interval: Duration::from_secs_f64(interval),
@@ -73,13 +73,13 @@ impl Clock {
         }
     }
 
-    /// The display has changed: so many seconds from frame to frame.
+    /// Changes the display's interval: so many seconds from frame to frame.
     pub fn set_interval(&mut self, interval: f64) {
         self.interval = Duration::from_secs_f64(interval);
     }
 
-    /// A frame begins; returns the seconds since the last one did, at most a tenth of a second: after a pause nothing is
-    /// to jump.
+    /// Begins a frame; returns the seconds since the last one began, at most a tenth of a second: after a pause nothing
+    /// is to jump.
     pub fn begin(&mut self) -> f64 {
         let now = Instant::now();
         let elapsed = (now - self.began).as_secs_f64();
@@ -104,13 +104,13 @@ impl Clock {
         }
     }
 
-    /// So many seconds of this frame went into samples, which were given a `budget`.
+    /// Notes that so many seconds of this frame went into samples, which were given `budget` seconds.
     pub fn sampled(&mut self, seconds: f64, budget: f64) {
         self.sampled = seconds;
         self.excess += 0.2 * ((seconds - budget).max(0.0) - self.excess);
     }
 
-    /// The frame is done; it `waited` for the display.
+    /// Ends the frame, which `waited` for the display.
     pub fn end(&mut self, waited: Duration) {
         let busy = self.began.elapsed().as_secs_f64();
         let overhead = (busy - self.sampled - waited.as_secs_f64()).clamp(0.0, 0.1);
@@ -123,7 +123,7 @@ impl Clock {
         1.0 / self.period.max(1e-6)
     }
 
-    /// From here on frames belong to this section of the measurement; `None`: to none.
+    /// Begins a section of the measurement, to which frames from here on belong; `None`: they belong to none.
     pub fn enter(&mut self, section: Option<String>) {
         if let Some(frames) = self.frames.take() {
             self.sections.entry(std::mem::take(&mut self.section)).or_default().extend(frames);
@@ -134,7 +134,7 @@ impl Clock {
         }
     }
 
-    /// Of each section that is over, in alphabetical order.
+    /// Statistics of each section that is over, in alphabetical order.
     pub fn pacing(&self) -> Vec<Pacing> {
         let measured = self.sections.iter().filter(|(_, frames)| !frames.is_empty());
         measured.map(|(section, frames)| pacing(section, frames)).collect()

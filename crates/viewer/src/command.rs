@@ -1,4 +1,4 @@
-//! What can be done to the viewer: panels, keys and scripts all say it in these words.
+//! Commands to the viewer, the words that panels, keys and scripts share.
 
 use std::path::PathBuf;
 
@@ -8,16 +8,16 @@ use raggio_scene::{Camera, Environment, Geometry, Material, Placement, RenderSet
 use crate::look::Look;
 use crate::navigation::Preset;
 
-/// One thing to do.
+/// A command to the viewer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     /// Changes the scene.
     Edit(Edit),
-    /// The control that was being dragged is let go: the next edit is an undo step of its own.
+    /// Ends the gesture of a control that is let go: the next edit is an undo step of its own.
     EndGesture,
     /// Takes the last edit back.
     Undo,
-    /// Does again what was taken back.
+    /// Redoes the edit that was taken back.
     Redo,
     /// Writes the scene to its file, or to another.
     Save(Option<PathBuf>),
@@ -27,39 +27,39 @@ pub enum Command {
     Open(PathBuf),
     /// Moves the camera.
     Navigate(Navigate),
-    /// How the mouse moves the camera.
+    /// Chooses how the mouse moves the camera.
     Preset(Preset),
-    /// Flies so many times as fast.
+    /// Sets the speed of flying, in units a second.
     Speed(f32),
-    /// How radiance is shown.
+    /// Sets everything about how the film is shown.
     Look(Look),
-    /// What of the film is shown.
+    /// Chooses the quantity that is shown: radiance, normals, depth and the like.
     View(View),
-    /// Stops: each doubles the brightness.
+    /// Sets the exposure in stops, each of which doubles the brightness.
     Exposure(f32),
-    /// The curve from radiance to the display.
+    /// Chooses the tone mapper, the curve from radiance to the display.
     Tones(ToneMapper),
     /// Shows the picture without its noise, or as it is.
     Denoise(bool),
-    /// How the reference is compared with.
+    /// Chooses how the picture is compared with the reference.
     Compare(Comparison),
     /// Compares with the picture in this file, or with none.
     Reference(Option<PathBuf>),
-    /// Chooses a shape, by its place in the scene's list.
+    /// Selects a shape by its place in the scene's list; `None`: none.
     Select(Option<usize>),
-    /// One shape less.
+    /// Removes the selected shape.
     RemoveSelected,
-    /// A copy of the chosen shape.
+    /// Adds a copy of the selected shape.
     DuplicateSelected,
     /// Stops sampling, or goes on.
     Pause,
     /// Begins the average anew.
     Restart,
-    /// Stops at so many samples per pixel.
+    /// Stops at so many samples per pixel; `None`: never.
     StopAt(Option<u32>),
-    /// Samples per pixel and frame; `None`: as many as there is time for.
+    /// Sets the samples per pixel and frame; `None`: as many as there is time for.
     SamplesPerFrame(Option<u32>),
-    /// The picture is as large as the window leaves room for, or as the scene says.
+    /// Gives the picture the size that the scene says, or that the window leaves room for.
     SceneSize(bool),
     /// Writes the picture to a file.
     Export(ExportRequest),
@@ -75,7 +75,7 @@ pub enum Command {
     CopyCamera,
     /// Takes the camera from this text.
     PasteCamera(String),
-    /// Frames from here on belong to this section of the measurement.
+    /// Begins a section of the measurement, to which frames from here on belong; `None`: they belong to none.
     Section(Option<String>),
     /// Behaves as if the driver had reset the device.
     LoseDevice,
@@ -90,11 +90,11 @@ pub enum Command {
 pub enum Edit {
     /// A material, by its place in the scene's list.
     Material(usize, Material),
-    /// A new material for a shape.
+    /// A copy of a shape's material, for that shape alone.
     NewMaterial { shape: usize },
     /// A shape and its material; shapes are counted as in the file.
     Shape(usize, Geometry, usize),
-    /// Where a model stands, and its material unless that is its own.
+    /// A model's placement, and its material unless that is its own.
     Model(usize, Placement, Option<usize>),
     /// A new shape, of this material if the scene has it.
     Add(Geometry, usize),
@@ -102,28 +102,28 @@ pub enum Edit {
     Environment(Environment),
     /// The camera that the scene's file names.
     Camera(Camera),
-    /// Size, depth and the like.
+    /// The settings of the picture: size, depth and the like.
     Render(RenderSettings),
-    /// One key of the file, as TOML.
+    /// A key of the file by its path, and its value as TOML.
     Key(String, String),
 }
 
 /// A movement of the camera.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Navigate {
-    /// There at once.
+    /// Moves to a camera at once.
     Jump(Camera),
-    /// There smoothly.
+    /// Moves to a camera smoothly.
     Go(Camera),
-    /// So many degrees around what the camera looks at.
+    /// Orbits so many degrees around the point that the camera looks at.
     Orbit(f32),
-    /// To the scene's own camera.
+    /// Moves to the scene's own camera.
     Home,
-    /// So that this shape fills the picture.
+    /// Moves so that this shape fills the picture.
     FocusOn(usize),
-    /// The point of the picture (0 to 1 from the top left) becomes sharp.
+    /// Focuses on the point of the picture (0 to 1 from the top left).
     FocusAt([f32; 2]),
-    /// Looks in this direction.
+    /// Looks at the same point from this side.
     From([f32; 3]),
     /// Remembers the view under this number, 1 to 9.
     Store(usize),
@@ -134,10 +134,10 @@ pub enum Navigate {
 /// A picture to be written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExportRequest {
-    /// Ends in .png or .exr.
+    /// File to write, whose name ends in .png or .exr.
     pub path: PathBuf,
-    /// In pixels; `None`: the picture's own.
+    /// Width and height in pixels; `None`: those of the picture that is shown.
     pub size: Option<[u32; 2]>,
-    /// Per pixel; `None`: those it has.
+    /// Samples per pixel; `None`: as many as the picture that is shown has.
     pub samples: Option<u32>,
 }

@@ -12,12 +12,12 @@ use crate::wake::Wake;
 /// Samples that each pixel of the guides takes: it is edges alone that are noisy.
 const GUIDE_SAMPLES: u32 = 16;
 
-/// What is to be denoised.
+/// A picture to denoise.
 struct Job {
-    /// By [`Tracer::generation`].
+    /// Number of the film, that of [`Tracer::generation`].
     film: u32,
     image: Image,
-    /// With the first picture of a film.
+    /// Guides, sent with the first picture of a film alone.
     first_surfaces: Option<FirstSurfaces>,
 }
 
@@ -28,25 +28,25 @@ struct FirstSurfaces {
 
 /// A picture without noise, compared with what is on the screen.
 pub enum Denoised {
-    /// It is there already.
+    /// The picture that is on the screen already.
     Unchanged,
-    /// It is another: pixels and size.
+    /// Another picture: its pixels, and its width and height.
     Changed(Pixels, [u32; 2]),
 }
 
 /// A thread that denoises what the tracer has, at each doubling of its samples and when it is finished.
 pub struct Denoising {
     jobs: Sender<Job>,
-    /// Each with the film that it is from.
+    /// Denoised pictures, each with the number of its film.
     results: Receiver<(u32, Result<Image, DenoiseError>)>,
     waiting: bool,
-    /// The tracer's film, by [`Tracer::generation`].
+    /// Number of the tracer's film, that of [`Tracer::generation`].
     film: u32,
     /// Samples of the last picture of that film that was handed over.
     samples: u32,
-    /// As far as they have been rendered.
+    /// Guides, as far as they have been rendered.
     features: Features,
-    /// All of them have been.
+    /// Whether all guides have been rendered.
     guided: bool,
     picture: Option<Image>,
     shown: Option<Display>,
@@ -58,7 +58,7 @@ impl Denoising {
         let denoiser = Denoiser::open()?;
         let (jobs, work) = channel::<Job>();
         let (done, results) = channel();
-        // It ends when either side of it does.
+        // The thread ends when either side of it does.
         std::thread::spawn(move || {
             let mut guides = None;
             for Job { film, image, first_surfaces } in work {
@@ -74,7 +74,7 @@ impl Denoising {
         Ok(Self { jobs, results, waiting, film: 0, samples: 0, features, guided, picture: None, shown: None })
     }
 
-    /// Spends a frame's `seconds` on guides where it is they that are missing; false if nothing is.
+    /// Spends a frame's `seconds` on guides if a picture that is due lacks them; false if none does.
     pub fn prepare(&mut self, tracer: &mut Tracer, seconds: f64) -> Result<bool, ViewError> {
         self.keep_up(tracer);
         if self.guided || !self.is_due(tracer) {
@@ -84,7 +84,7 @@ impl Denoising {
         Ok(true)
     }
 
-    /// Forgets what is of another film.
+    /// Forgets all that belongs to another film.
     fn keep_up(&mut self, tracer: &Tracer) {
         if self.film != tracer.generation() {
             self.film = tracer.generation();
@@ -95,7 +95,7 @@ impl Denoising {
         }
     }
 
-    /// Takes what the thread has finished, and gives it what is new.
+    /// Takes the picture that the thread has finished, and gives it the next one that is due.
     pub fn follow(&mut self, tracer: &mut Tracer) -> Result<(), ViewError> {
         self.keep_up(tracer);
         while let Ok((film, outcome)) = self.results.try_recv() {
@@ -119,7 +119,7 @@ impl Denoising {
         Ok(())
     }
 
-    /// It needs frames. While the thread works, it does not: `wake` asks for one.
+    /// Whether the denoiser needs frames. While the thread works, it does not: `wake` asks for one.
     pub fn is_busy(&self, tracer: &Tracer) -> bool {
         !self.waiting && self.is_due(tracer)
     }
@@ -130,7 +130,7 @@ impl Denoising {
         tracer.shows_radiance() && tracer.is_whole() && samples > 0 && more
     }
 
-    /// The picture, if there is one.
+    /// The denoised picture, if there is one.
     pub fn picture(&mut self, display: Display) -> Option<Denoised> {
         let image = self.picture.as_ref()?;
         if self.shown == Some(display) {
@@ -141,7 +141,7 @@ impl Denoising {
     }
 }
 
-/// `image` without its noise; `guides` are those of its film, from `first_surfaces` if it is the first.
+/// Removes the noise of `image`; `guides` are those of its film, from `first_surfaces` if it is the first.
 fn denoise(
     denoiser: &Denoiser,
     image: Image,

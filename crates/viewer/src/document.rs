@@ -1,6 +1,6 @@
 //! The scene file being edited.
 //!
-//! Its TOML text is the source of truth: every change edits the text, keeps the comments, the order and the formatting
+//! The TOML text is the source of truth: every change edits the text, keeps the comments, the order and the formatting
 //! of all that it does not touch, and is accepted only if the result is a valid scene.
 
 mod clipboard;
@@ -24,7 +24,7 @@ pub use error::EditError;
 use history::History;
 use layout::Layout;
 
-/// A scene file, what it says, and how it came to say so.
+/// A scene file: its text, the scene that the text describes, and the history of edits.
 #[derive(Debug)]
 pub struct Document {
     path: PathBuf,
@@ -32,7 +32,7 @@ pub struct Document {
     scene: Scene,
     /// The file's text as last read or saved; `None` when it never was.
     on_disk: Option<String>,
-    /// The text that was made for a model, which nobody would miss.
+    /// Text of the scene that was made for a model; unchanged, it counts as saved, since nobody would miss it.
     made: Option<String>,
     history: History,
     assets: Assets,
@@ -42,16 +42,16 @@ impl Document {
     /// Reads a scene file, or makes a scene that shows a model.
     ///
     /// # Errors
-    /// Those of [`Scene::load`].
+    /// The errors of [`Scene::load`].
     pub fn open(path: &Path) -> Result<Self, SceneError> {
         Self::open_with(path, AssetOptions::default())
     }
 
-    /// The same, with models read as `options` say. A scene made for a model is not on disk yet; [`Self::save`] would
-    /// write it beside the model.
+    /// Reads a scene file, or makes a scene that shows a model, with models read as `options` say. A scene made for a
+    /// model is not on disk yet; [`Self::save`] would write it beside the model.
     ///
     /// # Errors
-    /// Those of [`Scene::load_with`].
+    /// The errors of [`Scene::load_with`].
     pub fn open_with(path: &Path, options: AssetOptions) -> Result<Self, SceneError> {
         let mut assets = Assets::new(options);
         let text = scene_text(path, &mut assets)?;
@@ -65,10 +65,10 @@ impl Document {
         Ok(document)
     }
 
-    /// A scene that is not on disk yet; [`Self::save`] would write it to `path`.
+    /// Parses a scene that is not on disk yet; [`Self::save`] would write it to `path`.
     ///
     /// # Errors
-    /// When the text is not a valid scene.
+    /// A [`SceneError`] when the text is not a valid scene.
     pub fn from_text(text: impl Into<String>, path: &Path) -> Result<Self, SceneError> {
         Self::read(text.into(), path, Assets::default())
     }
@@ -84,17 +84,17 @@ impl Document {
         &self.assets
     }
 
-    /// Where the scene is read from and saved to.
+    /// Path that the scene is read from and saved to.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// What the text says.
+    /// Scene that the text describes.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// The file as it would be saved.
+    /// Text of the file as it would be saved.
     pub fn text(&self) -> &str {
         &self.text
     }
@@ -107,16 +107,17 @@ impl Document {
     /// Writes the file, whole or not at all.
     ///
     /// # Errors
-    /// When it cannot be written; the document is then still modified.
+    /// [`EditError::Unwritable`] when the file cannot be written; the document is then still modified.
     pub fn save(&mut self) -> Result<(), EditError> {
         let path = self.path.clone();
         self.save_as(&path)
     }
 
-    /// Writes to another file, whole or not at all, which is the document's own from then on.
+    /// Writes the text to another file, whole or not at all; that file is the document's own from then on.
     ///
     /// # Errors
-    /// When it cannot be written, or in the other folder does not find what it names; nothing changes then.
+    /// [`EditError::Unwritable`] when the file cannot be written, [`EditError::Scene`] when from the other folder the
+    /// scene does not find the files that it names; nothing changes then.
     pub fn save_as(&mut self, path: &Path) -> Result<(), EditError> {
         // Warnings name the file, and paths in it are relative to its folder.
         let moved = self.path != path;
@@ -131,11 +132,11 @@ impl Document {
         Ok(())
     }
 
-    /// Reads the file again, and what it names. If it changed since it was last read or saved, its text becomes one step
-    /// that can be undone. Whether the scene may have changed.
+    /// Reads the file again, and the files that it names. If it changed since it was last read or saved, its text
+    /// becomes one step that can be undone. Returns whether the scene may have changed.
     ///
     /// # Errors
-    /// Those of [`Self::open`]; nothing changes then.
+    /// The errors of [`Self::open`]; nothing changes then.
     pub fn reload(&mut self) -> Result<bool, SceneError> {
         let is_stale = self.assets.refresh();
         let text = match self.on_disk {
@@ -171,29 +172,29 @@ impl Document {
         self.assets.refresh()
     }
 
-    /// Edits from here on, until [`Self::end_gesture`] or a gesture of another key, are one step to undo: a slider
-    /// being dragged, a camera being flown. To begin the same gesture again changes nothing, so it may be called before
-    /// every edit.
+    /// Begins a gesture: edits from here on, until [`Self::end_gesture`] or a gesture of another key, are one step to
+    /// undo, such as a slider being dragged or a camera being flown. To begin the same gesture again changes nothing,
+    /// so it may be called before every edit.
     pub fn begin_gesture(&mut self, key: &str) {
         self.history.begin_gesture(key);
     }
 
-    /// Edits are steps of their own again.
+    /// Ends the gesture: edits are steps of their own again.
     pub fn end_gesture(&mut self) {
         self.history.end_gesture();
     }
 
-    /// The name of what [`Self::undo`] would undo.
+    /// Name of the step that [`Self::undo`] would undo; `None` when there is none.
     pub fn can_undo(&self) -> Option<&str> {
         self.history.can_undo()
     }
 
-    /// The name of what [`Self::redo`] would do again.
+    /// Name of the step that [`Self::redo`] would do again; `None` when there is none.
     pub fn can_redo(&self) -> Option<&str> {
         self.history.can_redo()
     }
 
-    /// Goes back one step and returns its name.
+    /// Goes back one step and returns its name; `None` when there is none, or a file that the older text names is gone.
     pub fn undo(&mut self) -> Option<String> {
         let (name, text) = self.history.undo(&self.text)?;
         if !self.restore(&text) {
@@ -203,7 +204,7 @@ impl Document {
         Some(name)
     }
 
-    /// Takes back one [`Self::undo`] and returns the step's name.
+    /// Takes back one [`Self::undo`] and returns the step's name; `None` as for `undo`.
     pub fn redo(&mut self) -> Option<String> {
         let (name, text) = self.history.redo(&self.text)?;
         if !self.restore(&text) {
@@ -213,7 +214,8 @@ impl Document {
         Some(name)
     }
 
-    /// Every text of the history was accepted once, so that it is a scene still, unless a file that it names is gone.
+    /// Makes a text of the history the document's and returns whether it still is a scene: each was accepted once, but
+    /// a file that it names may be gone.
     fn restore(&mut self, text: &str) -> bool {
         let scene = Scene::parse_with(text, &self.path, &mut self.assets);
         let is_scene = scene.is_ok();
@@ -224,7 +226,7 @@ impl Document {
         is_scene
     }
 
-    /// Lets `change` edit the text. Whether that changed anything.
+    /// Lets `change` edit the text and returns whether that changed anything.
     fn edit(
         &mut self,
         name: &str,
@@ -251,7 +253,7 @@ impl Document {
     }
 }
 
-/// Beside a model, for the scene that shows it: a file that is not there yet.
+/// Path beside a model for the scene that shows it: a file that is not there yet.
 fn free_path(model: &Path) -> PathBuf {
     let stem = model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let numbered = (2..).map(|number| format!("{stem}_{number}.toml"));

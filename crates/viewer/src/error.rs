@@ -7,7 +7,7 @@ use raggio_vulkan::VulkanError;
 
 use crate::document::EditError;
 
-/// Why the window cannot open, or had to close.
+/// Reason why the window cannot open, or had to close, or why a command failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ViewError {
@@ -35,17 +35,17 @@ pub enum ViewError {
     /// The scene cannot be changed like that.
     #[error(transparent)]
     Edit(#[from] EditError),
-    /// There is no picture without noise.
+    /// A picture cannot be denoised.
     #[error(transparent)]
     Denoise(#[from] DenoiseError),
     /// A script is wrong.
     #[error("{file}:{line}: {message}")]
     Script {
-        /// As the user named it.
+        /// Name of the script's file, as the user gave it.
         file: String,
-        /// From 1.
+        /// Number of the line, counted from 1.
         line: usize,
-        /// What is wrong, and what would be right.
+        /// Message of what is wrong, and what would be right.
         message: String,
     },
     /// A file cannot be read or written.
@@ -53,24 +53,24 @@ pub enum ViewError {
     File {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Message of the failure.
         message: String,
     },
     /// The window had to close over unsaved changes.
     #[error("{error}; changes that were not saved are in {}", path.display())]
     Rescued {
-        /// Why it closed.
+        /// Error that closed the window.
         error: Box<ViewError>,
-        /// The scene with the changes.
+        /// File of the scene with the changes.
         path: PathBuf,
     },
-    /// There is nowhere to open a window.
+    /// A window cannot open, for lack of a display or a library.
     #[error("cannot open a window: {0}; `raggio render` needs none")]
     NoDisplay(String),
 }
 
 impl ViewError {
-    /// The device has forgotten all that it held.
+    /// Whether the device has forgotten all that it held.
     pub fn is_device_lost(&self) -> bool {
         matches!(
             self,
@@ -78,7 +78,7 @@ impl ViewError {
         )
     }
 
-    /// The user can put it right: exit status 2, not 3.
+    /// Whether the user can put the error right: exit status 2, not 3.
     pub fn is_input(&self) -> bool {
         match self {
             Self::Rescued { error, .. } => error.is_input(),

@@ -15,7 +15,7 @@ pub struct Export {
 }
 
 impl Export {
-    /// Of what `tracer` shows, in `size` pixels.
+    /// Begins a picture of what `tracer` shows, of `size` pixels with so many samples each.
     pub fn begin(
         file: ImageFile,
         tracer: &Tracer,
@@ -31,7 +31,7 @@ impl Export {
         Ok(Self { file, renderer: Renderer::new(session, &device_scene, 0..samples), display })
     }
 
-    /// Spends about `seconds` on it; true when the file is written.
+    /// Spends about `seconds` on the picture; true when the file is written.
     pub fn advance(&mut self, seconds: f64) -> Result<bool, ViewError> {
         let finished = self.renderer.run_for(seconds)?;
         if finished {
@@ -40,12 +40,12 @@ impl Export {
         Ok(finished)
     }
 
-    /// How much is done, 0 to 1.
+    /// Part of the picture that is done, 0 to 1.
     pub fn fraction(&self) -> f32 {
         self.renderer.progress().fraction as f32
     }
 
-    /// Where it goes.
+    /// Path of the file to write.
     pub fn path(&self) -> &Path {
         self.file.path()
     }

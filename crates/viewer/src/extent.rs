@@ -8,8 +8,8 @@ use raggio_scene::{DAffine3, Geometry, Mesh, Shape, Vec3};
 
 type Corners = (Vec3, Vec3);
 
-/// Lower and upper corner of a box around all of the shapes that have bounds; `None` if none has. Each mesh is looked at
-/// once, however many of the shapes show it.
+/// Lower and upper corner of a box around all of the shapes that have bounds; `None` if none has. Each mesh is looked
+/// at once, however many of the shapes show it.
 pub fn extent(shapes: &[Shape]) -> Option<Corners> {
     let mut meshes = HashMap::new();
     let boxes = shapes.iter().filter_map(|shape| match &shape.geometry {

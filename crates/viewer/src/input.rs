@@ -1,4 +1,4 @@
-//! From egui's events to what they mean in the picture.
+//! Translation of egui's events into input to the picture.
 
 use egui::{Event, Key, Modifiers as Held, PointerButton, Rect, Response, Ui, Vec2};
 use raggio_scene::Vec3;
@@ -10,16 +10,16 @@ use crate::pilot::Hands;
 /// Pixels of scrolling in a notch of the wheel, as egui counts them.
 const NOTCH: f32 = 40.0;
 
-/// What happened in the picture during one frame.
+/// Input to the picture during one frame.
 #[derive(Clone, Debug, Default)]
 pub struct Input {
-    /// For the camera.
+    /// Mouse and keys that move the camera.
     pub hands: Hands,
-    /// A click, 0 to 1 from the picture's top left.
+    /// Position of a click, 0 to 1 from the picture's top left.
     pub clicked: Option<[f32; 2]>,
-    /// The second of two clicks.
+    /// Position of a double click, 0 to 1 from the picture's top left.
     pub double_clicked: Option<[f32; 2]>,
-    /// What keys ask for.
+    /// Commands of keys, of a click with F, and of dropped files.
     pub commands: Vec<Command>,
 }
 
@@ -82,7 +82,7 @@ fn flight(i: &egui::InputState) -> Vec3 {
     Vec3::new(axis(Key::D, Key::A), axis(Key::E, Key::Q), axis(Key::W, Key::S))
 }
 
-/// Keys that do something once.
+/// Adds the commands of keys that act once when they are pressed.
 fn keys(i: &mut egui::InputState, commands: &mut Vec<Command>) {
     let plain = [
         (Key::F1, Command::Help),
@@ -125,7 +125,7 @@ fn keys(i: &mut egui::InputState, commands: &mut Vec<Command>) {
     }));
 }
 
-/// 0 to 1 from the area's top left.
+/// Position 0 to 1 from the area's top left; `at` is in points from there.
 fn part(at: Vec2, area: Rect) -> [f32; 2] {
     [(at.x / area.width().max(1.0)).clamp(0.0, 1.0), (at.y / area.height().max(1.0)).clamp(0.0, 1.0)]
 }

@@ -15,7 +15,7 @@ type Outcome = Result<Spirv, String>;
 /// Compiles the kernels of a folder whenever they change, beside the frames.
 pub struct KernelWatch {
     watch: Watch,
-    /// To the thread that compiles; it ends when this goes. Attempts are numbered.
+    /// Numbers of attempts, sent to the thread that compiles; it ends when this goes.
     ask: Sender<u64>,
     answers: Receiver<(u64, Outcome)>,
     asked: u64,
@@ -23,7 +23,8 @@ pub struct KernelWatch {
 }
 
 impl KernelWatch {
-    /// `wake` is called after each change and each compilation: [`poll`](Self::poll) then.
+    /// Watches the kernels of a folder. `wake` is called after each change and each compilation; each time call
+    /// [`poll`](Self::poll).
     pub fn new(folder: &Path, wake: impl Fn() + Send + Clone + 'static) -> Result<Self, ViewError> {
         let unwatched = |error: notify::Error| ViewError::File {
             path: folder.to_owned(),
@@ -36,7 +37,7 @@ impl KernelWatch {
         let folder = folder.to_owned();
         thread::spawn(move || {
             while let Ok(request) = requests.recv() {
-                // Of the changes during the last compilation, the newest counts.
+                // The newest of the changes during the last compilation counts.
                 let attempt = requests.try_iter().last().unwrap_or(request);
                 let outcome = compile::spirv(&folder).map_err(|error| brief(&error.to_string()));
                 if answer.send((attempt, outcome)).is_err() {
@@ -57,17 +58,17 @@ impl KernelWatch {
         }
         let (attempt, outcome) = self.answers.try_iter().last()?;
         self.answered = attempt;
-        // What has changed since is being compiled.
+        // Later changes are still being compiled.
         (attempt == self.asked).then_some(outcome)
     }
 
-    /// A change is settling, or being compiled.
+    /// Whether a change is settling, or being compiled.
     pub fn is_waiting(&self) -> bool {
         self.watch.is_waiting() || self.answered < self.asked
     }
 }
 
-/// Up to the second error: from there on it is mostly files that import the wrong one.
+/// Messages up to the second error: from there on it is mostly files that import the wrong one.
 fn brief(messages: &str) -> String {
     let mut errors = 0;
     let lines = messages.lines().take_while(|line| {
@@ -84,7 +85,7 @@ mod tests {
 
     use super::*;
 
-    /// Polls until `answer` knows.
+    /// Polls until `answer` returns a value.
     fn wait_for<T>(watch: &mut KernelWatch, answer: impl Fn(&mut KernelWatch) -> Option<T>) -> T {
         let deadline = Instant::now() + Duration::from_secs(120);
         loop {

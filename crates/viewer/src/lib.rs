@@ -1,8 +1,8 @@
 //! The window of raggio: fly through a scene while its picture converges, and edit it.
 //!
 //! `events -> commands -> viewer -> samples -> canvas`: panels, keys and scripts say [`command::Command`]s, the viewer
-//! alone changes anything, its tracer adds samples for as long as a frame has time, and a canvas shows the film with the
-//! panels over it. A window and the hidden canvas of benchmarks and tests take the same way.
+//! alone changes anything, its tracer adds samples for as long as a frame has time, and a canvas shows the film with
+//! the panels over it. A window and the hidden canvas of benchmarks and tests take the same way.
 
 mod clock;
 mod command;
@@ -39,39 +39,39 @@ use raggio_scene::AssetOptions;
 pub use clock::Pacing;
 pub use error::ViewError;
 
-/// What to view, and how.
+/// Options of the viewer: the scene, and how to show it.
 #[derive(Clone)]
 pub struct Options {
     /// The scene's file, or a model.
     pub scene: PathBuf,
-    /// How models are read.
+    /// Options for reading models.
     pub assets: AssetOptions,
-    /// What traces.
+    /// Device that traces.
     pub device: DeviceChoice,
-    /// How devices are opened.
+    /// Options for opening devices.
     pub open: OpenOptions,
-    /// Of the window: in points on a desktop, in pixels when hidden.
+    /// Size of the window, width and height: in points on a desktop, in pixels when hidden.
     pub size: [u32; 2],
-    /// Pixels in a point; `None`: as the desktop says.
+    /// Scale factor, pixels in a point; `None`: that of the desktop, or 1 when hidden.
     pub scale: Option<f32>,
     /// A script to play.
     pub play: Option<PathBuf>,
     /// A folder of kernels to compile again whenever they change.
     pub watch_kernels: Option<PathBuf>,
-    /// No window: the script is played on a canvas that nobody sees.
+    /// Whether there is no window: the script is played on a canvas that nobody sees.
     pub hidden: bool,
 }
 
-/// How it went.
+/// Report of the viewer after its end.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
-    /// What traced.
+    /// Name of the device that traced.
     pub device: String,
-    /// Frames of each section of the script.
+    /// Statistics of the frames of each section of the script.
     pub pacing: Vec<Pacing>,
-    /// What failed in the end, in the words the user saw.
+    /// Messages of what failed in the end, in the words the user saw.
     pub failures: Vec<String>,
-    /// What Vulkan's validation layers have said, if they were on.
+    /// Messages of Vulkan's validation layers, if they were on.
     pub validation_messages: Vec<String>,
 }
 
@@ -88,6 +88,9 @@ impl Report {
 }
 
 /// Shows a scene until the window is closed, or the script is over.
+///
+/// # Errors
+/// A [`ViewError`] when the window cannot open, scene or script are wrong, or the window has to close.
 pub fn view(options: &Options) -> Result<Report, ViewError> {
     let files = stage::Files::read(options)?;
     if options.hidden { hidden::run(options, files) } else { window::run(options, files) }

@@ -1,19 +1,19 @@
-//! How the film is shown, as the user chooses it.
+//! Display of the film, as the user chooses it.
 
 use raggio_render::{Comparison, Display, ToneMapper, View};
 
-/// What turns a film into the picture on the screen.
+/// Settings that turn a film into the picture on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
-    /// What of the film is shown.
+    /// Quantity that is shown: radiance, normals, depth and the like.
     pub view: View,
-    /// Stops: each doubles the brightness.
+    /// Exposure in stops, each of which doubles the brightness.
     pub exposure: f32,
-    /// The curve.
+    /// Tone mapper, the curve from radiance to the display.
     pub tone_mapper: ToneMapper,
-    /// With the reference, if there is one.
+    /// Comparison with the reference, if there is one.
     pub comparison: Comparison,
-    /// Where the reference begins when both are shown side by side, 0 to 1 from the left.
+    /// Place where the reference begins when both are shown side by side, 0 to 1 from the left.
     pub split: f32,
 }
 
@@ -25,13 +25,13 @@ impl Default for Look {
 }
 
 impl Look {
-    /// For a film of this width; `scale` is where the colours of the view end.
+    /// Settings for a film of this width in pixels; `scale` is the value at which the colours of the view end.
     pub fn display(self, width: u32, scale: f32) -> Display {
         let Self { view, exposure, tone_mapper, comparison, split } = self;
         Display { view, exposure, tone_mapper, comparison, scale, split: (split * width as f32) as u32 }
     }
 
-    /// For files, which hold radiance alone.
+    /// Settings for files, which hold radiance alone.
     pub fn of_files(self) -> Display {
         Display { exposure: self.exposure, tone_mapper: self.tone_mapper, ..Display::default() }
     }

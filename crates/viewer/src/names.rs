@@ -1,4 +1,4 @@
-//! What things are called in menus and scripts.
+//! Names of views, tone mappers, comparisons and presets in menus and scripts.
 
 use raggio_render::{Comparison, ToneMapper, View};
 

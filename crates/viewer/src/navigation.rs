@@ -1,4 +1,4 @@
-//! How the camera moves. Pure mathematics: a camera and a motion go in, a camera comes out.
+//! Movements of the camera as pure mathematics: a camera and a motion go in, a camera comes out.
 //!
 //! Conventions: angles are in radians, lengths in the scene's unit. The camera's `up`, made a unit vector, is the
 //! *vertical*: it never changes, and no movement tilts the horizon against it. *Pitch* is the angle of the viewing
@@ -8,8 +8,8 @@
 //! The focus stays where it is, at its distance from the camera, unless it is the distance of `look_at` and the lens is
 //! closed: then it follows, because it says nothing.
 //!
-//! A movement to where 32 bits end, or by what is not a number, leaves the camera as it was. `look_at` keeps so far from
-//! the camera (1e-4 of the coordinates) that rounding does not turn the view.
+//! A movement to where 32 bits end, or by a value that is not a number, leaves the camera as it was. `look_at` keeps so
+//! far from the camera (1e-4 of the coordinates) that rounding does not turn the view.
 
 mod bookmarks;
 mod motion;
@@ -28,7 +28,7 @@ use view::{camera_heading, heading, moved, pitch_of, pitched, turned, vertical};
 
 /// Share of the picture's smaller side that [`focus_on`] gives the diameter of the sphere.
 const FILLED: f64 = 0.85;
-/// The most that one [`dolly`] approaches.
+/// Least factor of one [`dolly`], which approaches to this part of the distance and not beyond.
 const LEAST_FACTOR: f64 = 1e-3;
 
 /// Moves position and `look_at` together by `distance` times `motion`: to the right, along the vertical, forward.
@@ -38,7 +38,7 @@ pub fn fly(camera: &Camera, motion: Vec3, distance: f32) -> Camera {
     translate(camera, right * motion.x + vertical(camera) * motion.y + forward * motion.z)
 }
 
-/// Turns the camera on the spot; `look_at` keeps its distance.
+/// Turns the camera on the spot by `yaw` and `pitch`, in radians; `look_at` keeps its distance.
 pub fn look(camera: &Camera, yaw: f32, pitch: f32) -> Camera {
     let position = camera.position.as_dvec3();
     let towards = camera.look_at.as_dvec3() - position;
@@ -46,8 +46,8 @@ pub fn look(camera: &Camera, yaw: f32, pitch: f32) -> Camera {
     moved(camera, position, position + forward * towards.length())
 }
 
-/// Turns the camera about `pivot`, which stays where it is in the picture. The viewing direction turns by the same
-/// angles as it does in [`look`], so that with positive pitch the camera sinks.
+/// Turns the camera about `pivot`, which stays where it is in the picture, by `yaw` and `pitch` in radians. The viewing
+/// direction turns by the same angles as it does in [`look`], so that with positive pitch the camera sinks.
 pub fn orbit(camera: &Camera, pivot: Vec3, yaw: f32, pitch: f32) -> Camera {
     let before = axes(camera);
     let forward = turned(camera, yaw.into(), pitch.into());
@@ -94,17 +94,17 @@ pub fn focus_on(camera: &Camera, center: Vec3, radius: f32, aspect: f32) -> Came
     new
 }
 
-/// Puts the plane in focus through a point: its distance is taken along the viewing direction. A point behind the camera
-/// changes nothing.
+/// Puts the plane in focus through a point: its distance is taken along the viewing direction. A point behind the
+/// camera changes nothing.
 pub fn set_focus(camera: &Camera, point: Vec3) -> Camera {
     let distance = (point.as_dvec3() - camera.position.as_dvec3()).dot(axes(camera).forward) as f32;
     let focus_distance = if distance >= 1e-15 && distance.is_finite() { distance } else { camera.focus_distance };
     Camera { focus_distance, ..camera.clone() }
 }
 
-/// Looks at the same point, over the same distance, from `direction` of it: `Vec3::Z` is the front, `Vec3::X` the right,
-/// `Vec3::Y` the top. Straight from above or below it keeps its heading and looks as steeply as it may, 89°, because at
-/// 90° nothing would say where up is.
+/// Looks at the same point, over the same distance, from `direction` of it: `Vec3::Z` is the front, `Vec3::X` the
+/// right, `Vec3::Y` the top. Straight from above or below it keeps its heading and looks as steeply as it may, 89°,
+/// because at 90° nothing would say where up is.
 pub fn view_from(camera: &Camera, direction: Vec3) -> Camera {
     let forward = -direction.as_dvec3().normalize_or_zero();
     if forward == DVec3::ZERO {

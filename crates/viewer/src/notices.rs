@@ -1,11 +1,11 @@
-//! What the viewer has to say: shown over the picture, at the bottom left.
+//! Notices of the viewer, shown over the picture at the bottom left.
 
 use std::time::{Duration, Instant};
 
-/// How long something merely worth knowing stays.
+/// Time that a notice of [`Kind::Done`] stays.
 const BRIEF: Duration = Duration::from_secs(6);
 
-/// Sentences for the user.
+/// Notices for the user, one sentence each.
 #[derive(Default)]
 pub struct Notices {
     all: Vec<Notice>,
@@ -13,92 +13,92 @@ pub struct Notices {
     of_scene: Vec<String>,
 }
 
-/// One sentence.
+/// One sentence for the user.
 #[derive(Clone, Debug)]
 pub struct Notice {
-    /// What is said.
+    /// Text of the notice.
     pub text: String,
-    /// How much it matters.
+    /// Importance, which decides how long the notice stays.
     pub kind: Kind,
     since: Instant,
 }
 
-/// How much a notice matters.
+/// Importance of a notice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Goes by itself.
+    /// Success of a command; goes by itself.
     Done,
-    /// Stays until it is sent away.
+    /// Warning of something that may not be meant; stays until it is dismissed.
     Warning,
-    /// Of the scene; stays as long as it is true.
+    /// Warning of the scene; stays as long as it is true, unless it is dismissed.
     Scene,
-    /// Stays until it is sent away, or something succeeds.
+    /// Failure of a command; stays until it is dismissed, or something succeeds.
     Error,
-    /// Stays until the file is right.
+    /// Fault of a file that others change; stays until the file is right.
     Fault,
 }
 
 impl Notices {
-    /// Something was done.
+    /// Reports that something was done.
     pub fn done(&mut self, text: impl Into<String>) {
         self.say(Kind::Done, text.into());
     }
 
-    /// Something may not be meant.
+    /// Warns of something that may not be meant.
     pub fn warn(&mut self, text: impl Into<String>) {
         self.say(Kind::Warning, text.into());
     }
 
-    /// Something that was asked for cannot be done.
+    /// Reports that something that was asked for cannot be done.
     pub fn fail(&mut self, text: impl ToString) {
         self.failures.push(text.to_string());
         self.say(Kind::Error, text.to_string());
     }
 
-    /// A file that others change is wrong at the moment.
+    /// Reports that a file that others change is wrong at the moment.
     pub fn fault(&mut self, text: impl ToString) {
         self.say(Kind::Fault, text.to_string());
     }
 
-    /// Files are right again.
+    /// Removes the faults of files, which are right again.
     pub fn mended(&mut self) {
         self.all.retain(|notice| notice.kind != Kind::Fault);
     }
 
-    /// What is worth a second look in the scene as it is now.
+    /// Shows the warnings of the scene as it is now, and removes those that are no longer true.
     pub fn warn_of_scene(&mut self, warnings: &[String]) {
-        // What was sent away does not come back with the next edit.
+        // A warning that was dismissed does not come back with the next edit.
         let known = std::mem::replace(&mut self.of_scene, warnings.to_vec());
         self.all.retain(|notice| notice.kind != Kind::Scene || warnings.contains(&notice.text));
         let new = warnings.iter().filter(|warning| !known.contains(warning));
         new.for_each(|warning| self.say(Kind::Scene, warning.clone()));
     }
 
-    /// Something was done after all: what failed before is no news any more.
+    /// Removes failures of commands: something was done after all, so that they are no news any more.
     pub fn forgive(&mut self) {
         self.all.retain(|notice| notice.kind != Kind::Error);
     }
 
-    /// Sends one away.
+    /// Dismisses the notice at this index, if there is one.
     pub fn dismiss(&mut self, index: usize) {
         if index < self.all.len() {
             self.all.remove(index);
         }
     }
 
-    /// The current ones, the oldest first.
+    /// Current notices, the oldest first.
     pub fn current(&mut self) -> &[Notice] {
         self.all.retain(|notice| notice.kind != Kind::Done || notice.since.elapsed() < BRIEF);
         &self.all
     }
 
-    /// Everything that was asked for and could not be done, and what is wrong now.
+    /// Messages of everything that was asked for and could not be done, and of files that are wrong now.
     pub fn failures(&self) -> Vec<String> {
         let faults = self.all.iter().filter(|notice| notice.kind == Kind::Fault).map(|notice| notice.text.clone());
         self.failures.iter().cloned().chain(faults).collect()
     }
 
-    /// One of them goes by itself before long.
+    /// Whether a notice goes by itself before long.
     pub fn is_waiting(&self) -> bool {
         self.all.iter().any(|notice| notice.kind == Kind::Done)
     }
@@ -106,7 +106,7 @@ impl Notices {
     fn say(&mut self, kind: Kind, text: String) {
         self.all.retain(|notice| notice.text != text);
         self.all.push(Notice { text, kind, since: Instant::now() });
-        // What piles up is read by nobody.
+        // More notices than this are read by nobody.
         const MOST: usize = 6;
         let too_many = self.all.len().saturating_sub(MOST);
         self.all.drain(..too_many);

@@ -1,4 +1,4 @@
-//! What is drawn over the picture: the chosen shape's box, and what the viewer has to say.
+//! Overlay of the picture: the selected shape's box, and the notices.
 
 use egui::{Align2, Area, Color32, Frame, Pos2, Rect, RichText, Stroke, Ui, vec2};
 use raggio_scene::{Camera, Vec3};
@@ -7,13 +7,13 @@ use crate::navigation::axes;
 use crate::notices::Kind;
 use crate::viewer::Viewer;
 
-/// Where the picture goes in the room that the panels leave.
+/// Rectangle of the picture in the room that the panels leave, in points.
 pub fn place(room: Rect, viewer: &Viewer) -> Rect {
     let [width, height] = viewer.proportions(room.width(), room.height());
     Rect::from_center_size(room.center(), vec2(width, height))
 }
 
-/// Draws over the picture in `area`.
+/// Draws the selected shape's box and the notices over the picture in `area`.
 pub fn show(ui: &Ui, area: Rect, viewer: &mut Viewer) {
     if let Some((low, high)) = viewer.outline {
         let painter = ui.painter().with_clip_rect(area);
@@ -64,7 +64,7 @@ fn edges(low: Vec3, high: Vec3) -> impl Iterator<Item = [Vec3; 2]> {
     })
 }
 
-/// A line of the scene as the camera sees it; `None` if it is behind.
+/// Projects a line of the scene into `area`; `None` if it is behind the camera.
 fn seen(line: [Vec3; 2], camera: &Camera, area: Rect) -> Option<[Pos2; 2]> {
     let axes = axes(camera);
     let from = camera.position.as_dvec3();
@@ -74,7 +74,7 @@ fn seen(line: [Vec3; 2], camera: &Camera, area: Rect) -> Option<[Pos2; 2]> {
     if depth_a < near && depth_b < near {
         return None;
     }
-    // What is behind is cut off.
+    // The part behind the camera is cut off.
     let cut = a.lerp(b, (near - depth_a) / (depth_b - depth_a));
     let ends = [if depth_a < near { cut } else { a }, if depth_b < near { cut } else { b }];
     let scale = f64::from(area.height()) / 2.0 / (f64::from(camera.vertical_fov_degrees).to_radians() / 2.0).tan();

@@ -1,4 +1,4 @@
-//! From hands to a camera: what mouse and keys do in the picture.
+//! Steering of the camera by mouse and keys in the picture.
 
 use raggio_scene::{Camera, Scene, Vec3};
 
@@ -13,25 +13,25 @@ use crate::tracer::Pick;
 /// Radians for a drag over the height of the picture.
 const ORBIT: f32 = std::f32::consts::PI;
 const LOOK: f32 = 2.0;
-/// What is left of the distance after one notch of the wheel.
+/// Part of the distance that is left after one notch of the wheel.
 const NOTCH: f32 = 0.88;
-/// Shift flies so many times as fast.
+/// Factor of the flying speed while Shift is held.
 const FAST: f32 = 4.0;
 
-/// What hands do in the picture during one frame.
+/// Input of mouse and keys for the camera during one frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Hands {
-    /// Where the cursor is, 0 to 1 from the picture's top left; `None` if elsewhere.
+    /// Position of the cursor, 0 to 1 from the picture's top left; `None` if elsewhere.
     pub cursor: Option<[f32; 2]>,
     /// The button that is held since it was pressed in the picture.
     pub held: Option<Button>,
-    /// Keys held.
+    /// Modifier keys held.
     pub modifiers: Modifiers,
-    /// How far the cursor moved, right and down, in heights of the picture.
+    /// Movement of the cursor while dragging, right and down, in heights of the picture.
     pub moved: [f32; 2],
     /// Notches of the wheel, positive away from the user.
     pub wheel: f32,
-    /// To the right, up and forward, each -1 to 1.
+    /// Direction of flight: to the right, up and forward, each -1 to 1.
     pub fly: Vec3,
 }
 
@@ -39,7 +39,7 @@ pub struct Hands {
 pub struct Pilot {
     camera: Camera,
     preset: Preset,
-    /// Of flying, in units a second.
+    /// Speed of flying, in units a second.
     speed: f32,
     motion: Motion,
     transition: Option<Transition>,
@@ -56,7 +56,7 @@ struct Drag {
 }
 
 impl Pilot {
-    /// At the scene's own camera.
+    /// Creates a pilot at the scene's own camera.
     pub fn new(scene: &Scene) -> Self {
         let diagonal = extent(&scene.shapes).map_or(0.0, |(low, high)| (high - low).length());
         // Ground that is a giant sphere says nothing about the size of what stands on it.
@@ -73,22 +73,22 @@ impl Pilot {
         }
     }
 
-    /// Where it is.
+    /// The camera as it is now.
     pub fn camera(&self) -> &Camera {
         &self.camera
     }
 
-    /// How the mouse steers.
+    /// Preset of how the mouse steers.
     pub fn preset(&self) -> Preset {
         self.preset
     }
 
-    /// Steers in another way.
+    /// Changes how the mouse steers.
     pub fn set_preset(&mut self, preset: Preset) {
         self.preset = preset;
     }
 
-    /// Of flying, in units a second.
+    /// Speed of flying, in units a second.
     pub fn speed(&self) -> f32 {
         self.speed
     }
@@ -98,13 +98,13 @@ impl Pilot {
         self.speed = step_speed(speed, 0.0);
     }
 
-    /// There at once.
+    /// Moves to `camera` at once.
     pub fn jump(&mut self, camera: Camera) {
         self.stop();
         self.camera = camera;
     }
 
-    /// There smoothly.
+    /// Moves to `camera` smoothly.
     pub fn go(&mut self, camera: Camera) {
         self.stop();
         if camera != self.camera {
@@ -112,30 +112,30 @@ impl Pilot {
         }
     }
 
-    /// Around what the camera looks at, so many radians to the right.
+    /// Orbits so many radians to the right around the point that the camera looks at.
     pub fn orbit(&mut self, angle: f32) {
         self.stop();
         self.camera = orbit(&self.camera, self.camera.look_at, angle, 0.0);
     }
 
-    /// So that a shape of `scene` fills the picture; one without bounds stays as far away as it is.
+    /// Moves so that a shape of `scene` fills the picture; without bounds of the shape nothing moves.
     pub fn focus_on(&mut self, scene: &Scene, shape: usize, aspect: f32) {
         if let Some((low, high)) = extent(scene.shapes_of(shape)) {
             self.go(focus_on(&self.camera, (low + high) / 2.0, (high - low).length() / 2.0, aspect));
         }
     }
 
-    /// Makes what is as far away as `point` sharp.
+    /// Puts the plane in focus through `point`.
     pub fn set_focus(&mut self, point: Vec3) {
         self.camera = set_focus(&self.camera, point);
     }
 
-    /// From this side of what the camera looks at.
+    /// Moves to look from this side of the point that the camera looks at.
     pub fn look_from(&mut self, direction: Vec3) {
         self.go(view_from(&self.camera, direction));
     }
 
-    /// Remembers the view.
+    /// Remembers the view under this number, 1 to 9.
     pub fn store(&mut self, number: usize) {
         self.bookmarks.store(number, self.camera.clone());
     }
@@ -146,13 +146,13 @@ impl Pilot {
         view.map(|camera| self.go(camera)).is_some()
     }
 
-    /// Something moves by itself, or in a hand.
+    /// Whether the camera moves by itself, or is flown.
     pub fn is_moving(&self) -> bool {
         self.transition.is_some() || self.motion.is_moving()
     }
 
-    /// Moves as hands say, `seconds` after the last time; true if the camera is another one then. `pick` tells what is
-    /// under a point of the picture.
+    /// Moves as hands say, `seconds` after the last time; true if the camera is another one then. `pick` finds the
+    /// surface under a point of the picture.
     pub fn steer(
         &mut self,
         hands: &Hands,

@@ -1,4 +1,4 @@
-//! Scripts: what a hand would do to the window, written down. For turntables, benchmarks and tests.
+//! Scripts: the doings of a hand in the window, written down, for turntables, benchmarks and tests.
 
 mod parse;
 
@@ -10,88 +10,88 @@ use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, TouchPhas
 use crate::command::{Command, Navigate};
 use crate::error::ViewError;
 
-/// How long a step takes.
+/// Duration of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Span {
-    /// On the clock.
+    /// Time on the clock.
     Time(Duration),
-    /// Whatever they take.
+    /// Number of frames, whatever time they take.
     Frames(u32),
 }
 
 /// One line of a script.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {
-    /// At once.
+    /// A command, at once.
     Do(Command),
-    /// At once, as if a key were pressed and released.
+    /// A key pressed and released at once.
     Press(Modifiers, Key),
-    /// A key is held.
+    /// A key held for a span.
     Hold(Modifiers, Key, Span),
-    /// The pointer jumps there.
+    /// A jump of the pointer, to a position in points.
     Move(Pos2),
-    /// So many clicks.
+    /// A number of clicks at a position in points.
     Click(PointerButton, Modifiers, Pos2, u32),
-    /// The pointer moves with a button held.
+    /// A movement of the pointer with a button held, from one position in points to another.
     Drag(PointerButton, Modifiers, Pos2, Pos2, Span),
-    /// Notches, away from the user.
+    /// Notches of the wheel, away from the user.
     Wheel(f32),
-    /// Degrees around what the camera looks at.
+    /// An orbit of so many degrees around the point that the camera looks at.
     Orbit(f32, Span),
-    /// Nothing for a while.
+    /// A wait for a span.
     Wait(Span),
-    /// Nothing until each pixel has so many samples.
+    /// A wait until each pixel has so many samples.
     WaitForSamples(u32),
-    /// Nothing until the export under way is written.
+    /// A wait until the export under way is written.
     WaitForExport,
-    /// Nothing until the scene's file has been read again, so many times in all.
+    /// A wait until the scene's file has been read again, so many times in all.
     WaitForReload(u32),
-    /// The window itself.
+    /// A change of the window itself.
     Window(WindowStep),
 }
 
-/// What a script does to the window.
+/// A change of the window by a script.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WindowStep {
-    /// Pixels across and down.
+    /// Width and height, in pixels.
     Size([u32; 2]),
-    /// Pixels in a point.
+    /// Scale factor: pixels in a point.
     Scale(f32),
-    /// Out of sight.
+    /// Minimises the window.
     Minimise,
-    /// Into sight again.
+    /// Restores the window after it was minimised.
     Restore,
 }
 
 /// A script being played.
 pub struct Player {
     steps: std::vec::IntoIter<Step>,
-    /// The step that takes time, and how far it is.
+    /// The step that takes time, and the part of it that is done, 0 to 1.
     current: Option<(Step, f64)>,
     pointer: Pos2,
 }
 
-/// What a script does in one frame.
+/// Input of a script in one frame.
 #[derive(Default)]
 pub struct Played {
-    /// As from mouse and keyboard.
+    /// Events, like those from mouse and keyboard.
     pub events: Vec<Event>,
-    /// As from the panels.
+    /// Commands, like those from the panels.
     pub commands: Vec<Command>,
-    /// As from the window's frame.
+    /// Changes of the window, like those from its frame.
     pub window: Vec<WindowStep>,
 }
 
-/// What a script can wait for.
+/// State of the viewer that a script can wait for.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct State {
-    /// Of each pixel at full resolution.
+    /// Samples of each pixel at full resolution.
     pub samples: u32,
-    /// There will be no more of them.
+    /// Whether there will be no more samples.
     pub stopped: bool,
-    /// How often the scene's file has been read again.
+    /// Number of times that the scene's file has been read again.
     pub reloads: u32,
-    /// A picture is being rendered for a file.
+    /// Whether a picture is being rendered for a file.
     pub exporting: bool,
 }
 
@@ -107,13 +107,13 @@ impl Player {
         Self::parse(&text, &path.display().to_string())
     }
 
-    /// From a script's text; `file` names it in errors.
+    /// Parses a script's text; `file` names it in errors.
     pub fn parse(text: &str, file: &str) -> Result<Self, ViewError> {
         let steps = parse::steps(text, file)?;
         Ok(Self { steps: steps.into_iter(), current: None, pointer: Pos2::ZERO })
     }
 
-    /// What happens in a frame that comes `seconds` after the last; the script ends by closing the window.
+    /// Returns the input for a frame that comes `seconds` after the last; the script ends by closing the window.
     pub fn frame(&mut self, seconds: f64, state: State) -> Played {
         let mut played = Played::default();
         if let Some((step, done)) = self.current.take() {
@@ -154,7 +154,7 @@ impl Player {
                 phase: TouchPhase::Move,
                 modifiers: Modifiers::NONE,
             }),
-            // What came before them in this frame has not been done yet, so that they look first in the next.
+            // Steps before these in this frame have not been done yet, so that these look first in the next.
             Step::Orbit(..)
             | Step::Wait(_)
             | Step::WaitForSamples(_)
@@ -230,7 +230,7 @@ impl Player {
 }
 
 impl Span {
-    /// The part of it that passes in one frame.
+    /// Part of the span that passes in one frame of `seconds`.
     fn share(self, seconds: f64) -> f64 {
         match self {
             Self::Time(duration) => seconds / duration.as_secs_f64().max(1e-9),

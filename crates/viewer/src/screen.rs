@@ -1,4 +1,4 @@
-//! One frame: events in, panels and picture out. The same for a window and for a canvas that nobody sees.
+//! One frame: events in, panels and picture out, for a window just as for a canvas that nobody sees.
 
 use std::time::{Duration, Instant};
 
@@ -16,26 +16,26 @@ use crate::viewer::Viewer;
 /// The smallest picture, in pixels each way: windows can be made very small.
 pub const SMALLEST: u32 = 16;
 
-/// Where frames are drawn.
+/// A canvas that frames are drawn on, and the state of the panels.
 pub struct Screen {
     ctx: Context,
     canvas: Canvas,
 }
 
-/// What a frame asks of whoever shows it.
+/// Requests of a frame to whoever shows it.
 pub struct Frame {
     /// Cursor, clipboard and the like.
     pub platform: PlatformOutput,
-    /// When the next frame is due; `None`: at the next event.
+    /// Delay after which the next frame is due; `None`: at the next event.
     pub next: Option<Duration>,
-    /// There was something to draw on.
+    /// Whether there was something to draw on.
     pub visible: bool,
-    /// What was shown, if it was asked for: size, and bytes red, green, blue, opacity.
+    /// Capture of the frame, if it was asked for: size in pixels, and bytes red, green, blue, opacity.
     pub capture: Option<([u32; 2], Vec<u8>)>,
 }
 
 impl Screen {
-    /// On this canvas.
+    /// Creates the panels on a canvas.
     pub fn new(canvas: Canvas) -> Self {
         let ctx = Context::default();
         panel::apply_theme(&ctx);
@@ -49,12 +49,12 @@ impl Screen {
         &self.ctx
     }
 
-    /// What is drawn on.
+    /// The canvas that is drawn on.
     pub fn canvas(&mut self) -> &mut Canvas {
         &mut self.canvas
     }
 
-    /// The same panels on another canvas, after the device of this one was lost.
+    /// Moves the panels to another canvas, after the device of this one was lost.
     pub fn moved_to(&self, canvas: Canvas) -> Self {
         // A new egui, for it has to send all its textures again; what is open and closed stays.
         let screen = Self::new(canvas);

@@ -1,5 +1,5 @@
-//! All that a frame needs, whether a window shows it or nobody: viewer, screen, script; and what to do when the device
-//! is lost.
+//! Viewer, screen and script: all that a frame needs, whether a window shows it or nobody; and what to do when the
+//! device is lost.
 
 use std::cell::RefCell;
 use std::path::Path;
@@ -18,7 +18,7 @@ use crate::screen::{SMALLEST, Screen};
 use crate::viewer::Viewer;
 use crate::wake::Wake;
 
-/// Lost again so soon, a device is not worth another try.
+/// Time that a device has to last: lost again sooner, it is not worth another try.
 const HEALTHY: Duration = Duration::from_secs(10);
 
 /// A viewer on its screen.
@@ -52,19 +52,19 @@ pub struct Opener {
     instance: Arc<Instance>,
 }
 
-/// What the window's frame is to do.
+/// Requests of a frame to the window.
 pub struct Outcome {
     pub platform: PlatformOutput,
     pub window: Vec<WindowStep>,
-    /// When the next frame is due; `None`: at the next event.
+    /// Delay after which the next frame is due; `None`: at the next event.
     pub next: Option<Duration>,
     pub quit: bool,
-    /// egui is another one: the device was lost.
+    /// Whether egui is another one, since the device or the surface was lost.
     pub renewed: bool,
 }
 
 impl Opener {
-    /// `instance` can show what the window needs.
+    /// Creates an opener; `instance` can show what the window needs.
     pub fn new(options: &Options, instance: Arc<Instance>) -> Self {
         let choice = options.device;
         let options = OpenOptions { instance: Some(instance.clone()), ..options.open.clone() };
@@ -75,7 +75,7 @@ impl Opener {
         Ok(raggio_render::open(self.choice, self.options.clone(), warn)?)
     }
 
-    /// What is always there.
+    /// Opens the CPU, which is always there.
     fn open_cpu(&self) -> Result<Box<dyn Device>, ViewError> {
         Ok(raggio_render::open(DeviceChoice::Cpu, self.options.clone(), |_| ())?)
     }
@@ -135,7 +135,7 @@ impl Stage {
         self.opener.instance.clone()
     }
 
-    /// One frame. `surface` makes the window's surface anew when it is needed.
+    /// Draws one frame. `surface` makes the window's surface anew when it is needed.
     pub fn frame(
         &mut self,
         mut raw: RawInput,
@@ -173,8 +173,8 @@ impl Stage {
         Ok(Outcome { platform: frame.platform, window: played.window, next, quit, renewed: false })
     }
 
-    /// Opens the tracing device again, or goes on with the CPU; the film is gone with the old one. If the CPU traces, what
-    /// was lost only drew the frames.
+    /// Opens the tracing device again, or goes on with the CPU; the film is gone with the old one. If the CPU traces,
+    /// the device that was lost only drew the frames.
     fn recover(&mut self, error: &ViewError) -> Result<(), ViewError> {
         if self.viewer.tracer.device().vulkan().is_none() {
             return Ok(());
@@ -192,7 +192,7 @@ impl Stage {
         Ok(())
     }
 
-    /// The window has to close: what was not saved is kept beside the scene.
+    /// Keeps unsaved changes beside the scene, for the window has to close; the error returned names their file.
     fn rescue(&self, error: ViewError) -> ViewError {
         match self.viewer.rescue() {
             Some(path) => ViewError::Rescued { error: Box::new(error), path },
@@ -200,7 +200,7 @@ impl Stage {
         }
     }
 
-    /// A new canvas in place of one that cannot be used any more.
+    /// Makes a new canvas in place of one that cannot be used any more.
     fn renew(
         &mut self,
         surface: &dyn Fn() -> Result<Option<Surface>, ViewError>,

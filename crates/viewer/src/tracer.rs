@@ -11,11 +11,11 @@ use raggio_scene::{Camera, Scene, Vec3};
 use crate::error::ViewError;
 use crate::look::Look;
 
-/// For so long after the last motion the camera counts as moving.
+/// Time after the last motion for which the camera counts as moving.
 const REST: Duration = Duration::from_millis(120);
-/// The film is never smaller than this part of the picture, in each direction.
+/// Greatest factor by which the film is smaller than the picture, in each direction.
 const COARSEST: u32 = 8;
-/// No pixel takes more samples, as in scene files.
+/// Most samples that a pixel takes, as in scene files.
 pub const MOST_SAMPLES: u32 = i32::MAX as u32;
 
 /// A scene on a device, traced at the resolution that the moment allows.
@@ -24,21 +24,21 @@ pub struct Tracer {
     scene: Scene,
     device_scene: DeviceScene,
     renderer: Renderer,
-    /// Of the picture at rest, in pixels.
+    /// Size of the picture at rest, in pixels.
     full: [u32; 2],
-    /// While the camera moves, the film is so many times smaller in each direction that a frame's time is enough.
+    /// Factor by which the film is smaller in each direction, so that a frame's time is enough while the camera moves.
     divisor: u32,
     moved: Option<Instant>,
-    /// Samples at which to stop.
+    /// Samples per pixel at which to stop.
     limit: Option<u32>,
-    /// The film is new, and its resolution not yet chosen.
+    /// Whether the film is new, and its resolution not yet chosen.
     begun: bool,
-    /// The film has changed since it was last displayed.
+    /// Whether the film has changed since it was last displayed.
     fresh: bool,
     shown: Option<Display>,
     samples_per_pass: Option<u32>,
     reference: Option<Image>,
-    /// Of the film that the device has the reference for.
+    /// Size of the film that the device has the reference for, in pixels.
     reference_size: [u32; 2],
     rays: Rays,
     generation: u32,
@@ -52,18 +52,18 @@ struct Rays {
     turn: u32,
 }
 
-/// What is under a point of the picture.
+/// The surface under a point of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pick {
-    /// Where the camera's ray meets it.
+    /// Position where the camera's ray meets the surface.
     pub position: Vec3,
-    /// Unit, away from the inside of closed shapes.
+    /// Unit normal, away from the inside of closed shapes.
     pub normal: Vec3,
-    /// From the camera.
+    /// Distance from the camera.
     pub distance: f32,
-    /// The place of its `[[shapes]]` in the file.
+    /// Place of the shape's `[[shapes]]` in the file.
     pub shape: usize,
-    /// In the scene's list.
+    /// Index of the material in the scene's list.
     pub material: usize,
 }
 
@@ -96,7 +96,7 @@ impl Tracer {
         Ok(tracer)
     }
 
-    /// What it traces on.
+    /// Device that the scene is traced on.
     pub fn device(&self) -> &dyn Device {
         &*self.device
     }
@@ -127,7 +127,7 @@ impl Tracer {
         Ok(self.renderer.session().set_reference(self.reference.as_ref())?)
     }
 
-    /// Another scene, seen from `camera`. An error leaves the old one in place.
+    /// Changes to another scene, seen from `camera`. An error leaves the old one in place.
     pub fn set_scene(&mut self, scene: &Scene, camera: &Camera) -> Result<(), ViewError> {
         let mut scene = Scene { camera: camera.clone(), ..scene.clone() };
         [scene.render.width, scene.render.height] = self.film_size();
@@ -138,7 +138,7 @@ impl Tracer {
         self.begin()
     }
 
-    /// Another camera; `moving`: and more are to be expected, so responsiveness comes before sharpness.
+    /// Changes to another camera; `moving`: more are to be expected, so responsiveness comes before sharpness.
     pub fn set_camera(&mut self, camera: &Camera, moving: bool) -> Result<(), ViewError> {
         let before = std::mem::replace(&mut self.scene.camera, camera.clone());
         self.restart().inspect_err(|_| self.scene.camera = before)?;
@@ -148,7 +148,7 @@ impl Tracer {
         Ok(())
     }
 
-    /// Another size of the picture, in pixels.
+    /// Changes the size of the picture, in pixels.
     pub fn set_size(&mut self, full: [u32; 2]) -> Result<(), ViewError> {
         if full == self.full {
             return Ok(());
@@ -166,13 +166,13 @@ impl Tracer {
         self.begin()
     }
 
-    /// What every new film needs.
+    /// Begins a new film: resets all that belongs to the last one.
     fn begin(&mut self) -> Result<(), ViewError> {
         self.begun = true;
         self.fresh = false;
         self.generation = self.generation.wrapping_add(1);
         self.rays = Rays::default();
-        // The device keeps it as long as the size stays.
+        // The device keeps the reference as long as the size stays.
         if self.reference.is_some() && self.reference_size != self.film_size() {
             self.reference_size = self.film_size();
             self.renderer.session().set_reference(self.reference.as_ref())?;
@@ -180,13 +180,13 @@ impl Tracer {
         Ok(())
     }
 
-    /// Stops at so many samples; `None` goes on.
+    /// Stops at so many samples per pixel; `None` goes on.
     pub fn set_limit(&mut self, limit: Option<u32>) {
         self.limit = limit;
         self.renderer.set_target(self.target());
     }
 
-    /// Samples that a pass adds to each pixel; `None`: as many as a frame has time for.
+    /// Sets the samples that a pass adds to each pixel; `None`: as many as a frame has time for.
     pub fn set_samples_per_frame(&mut self, samples: Option<u32>) {
         self.samples_per_pass = samples;
         self.renderer.set_samples_per_pass(samples);
@@ -202,8 +202,8 @@ impl Tracer {
         Ok(())
     }
 
-    /// Finds the resolution for this frame: as fine as the frame's time allows after every change, then finer step by step
-    /// when the camera rests, so that there is never long nothing new to see.
+    /// Finds the resolution for this frame: as fine as the frame's time allows after every change, then finer step by
+    /// step when the camera rests, so that there is never long nothing new to see.
     fn settle(&mut self, seconds: f64) -> Result<(), ViewError> {
         let divisor = if self.is_moving() || std::mem::take(&mut self.begun) {
             let pixels = f64::from(self.full[0]) * f64::from(self.full[1]);
@@ -224,7 +224,7 @@ impl Tracer {
         Ok(())
     }
 
-    /// The picture, if there is a whole one and it has changed since it was last asked for.
+    /// Pixels and size of the picture, if there is a whole one and it has changed since it was last asked for.
     pub fn display(&mut self, look: Look) -> Result<Option<(Pixels, [u32; 2])>, ViewError> {
         let display = look.display(self.film_size()[0], self.scale(look.view));
         let changed = self.fresh || self.shown != Some(display);
@@ -237,15 +237,15 @@ impl Tracer {
         Ok(Some((pixels, self.film_size())))
     }
 
-    /// The picture is to be asked for anew, even if it has not changed.
+    /// Makes [`Tracer::display`] return the picture once more, even if it has not changed.
     pub fn show_again(&mut self) {
         self.shown = None;
     }
 
-    /// What is under a point of the picture; `x` and `y` are 0 to 1 from the top left.
+    /// Finds the surface under a point of the picture; `x` and `y` are 0 to 1 from the top left.
     pub fn pick(&mut self, x: f32, y: f32) -> Result<Option<Pick>, ViewError> {
         let [width, height] = self.film_size().map(|side| side as f32);
-        // Through the middle of the lens.
+        // The ray goes through the middle of the lens.
         let camera = [[x * width, y * height, width, height], [0.0; 4], [0.0; 4]];
         let session = self.renderer.session();
         let ray = answer(session.ask(Probe::Camera, &[camera]))?;
@@ -268,7 +268,7 @@ impl Tracer {
         [place(x, width), place(y, height)]
     }
 
-    /// Where the colours of a view end.
+    /// Value at which the colours of a view end.
     pub fn scale(&self, view: View) -> f32 {
         match view {
             View::Depth => self.scene.camera.focus_distance,
@@ -301,8 +301,8 @@ impl Tracer {
         self.rays.rays / self.rays.samples.max(1.0)
     }
 
-    /// The film of radiance when the pass under way is finished, and how many samples each of its pixels has then;
-    /// whatever film is shown.
+    /// The film of radiance when the pass under way is finished, and the number of samples that each of its pixels has
+    /// then; whatever film is shown.
     pub fn radiance(&mut self) -> Result<(Film, u32), ViewError> {
         let shown = self.renderer.feature();
         self.renderer.show(Feature::Radiance)?;
@@ -338,42 +338,42 @@ impl Tracer {
         Ok(self.renderer.session().pixel(x, y)?)
     }
 
-    /// It is the film of radiance that is shown, in one view or another.
+    /// Whether the film of radiance is shown, in one view or another.
     pub fn shows_radiance(&self) -> bool {
         self.renderer.feature() == Feature::Radiance
     }
 
-    /// Another number for each new film.
+    /// Number of the film, another one for each new film.
     pub fn generation(&self) -> u32 {
         self.generation
     }
 
-    /// How far it has come.
+    /// Progress of the film.
     pub fn progress(&self) -> Progress {
         self.renderer.progress()
     }
 
-    /// Nothing is left to do.
+    /// Whether nothing is left to do.
     pub fn finished(&self) -> bool {
         self.renderer.finished() && self.divisor == 1
     }
 
-    /// There is a picture at full resolution.
+    /// Whether there is a picture at full resolution.
     pub fn is_whole(&self) -> bool {
         self.settled() && self.progress().samples > 0
     }
 
-    /// Only a small part of the picture's pixels can be traced in a frame.
+    /// Whether only a small part of the picture's pixels can be traced in a frame.
     pub fn is_coarse(&self) -> bool {
         self.divisor > 2
     }
 
-    /// Full resolution, and the camera at rest.
+    /// Whether the film has full resolution, and the camera is at rest.
     pub fn settled(&self) -> bool {
         self.divisor == 1 && !self.is_moving()
     }
 
-    /// The camera has moved a moment ago.
+    /// Whether the camera has moved a moment ago.
     pub fn is_moving(&self) -> bool {
         self.moved.is_some_and(|at| at.elapsed() < REST)
     }
@@ -383,17 +383,17 @@ impl Tracer {
         &self.scene
     }
 
-    /// Of the film, in pixels.
+    /// Size of the film, in pixels.
     pub fn film_size(&self) -> [u32; 2] {
         self.full.map(|side| (side / self.divisor).max(1))
     }
 
-    /// Of the picture at rest, in pixels.
+    /// Size of the picture at rest, in pixels.
     pub fn full_size(&self) -> [u32; 2] {
         self.full
     }
 
-    /// Width by height.
+    /// Aspect ratio of the picture, width by height.
     pub fn aspect(&self) -> f32 {
         self.full[0] as f32 / self.full[1] as f32
     }

@@ -1,4 +1,4 @@
-//! What the viewer is in the middle of: one scene, one camera, one picture; and the only place where they change.
+//! State of the viewer: one scene, one camera, one picture; and the only place where they change.
 
 mod edit;
 mod files;
@@ -35,65 +35,65 @@ pub struct Viewer {
     pub(crate) clock: Clock,
     pub(crate) notices: Notices,
     pub(crate) settings: Settings,
-    /// The place of its `[[shapes]]` in the file.
+    /// Place of the selected shape's `[[shapes]]` in the file.
     pub(crate) selection: Option<usize>,
-    /// The box around the selection, if it has one.
+    /// Lower and upper corner of the box around the selection, if it has one.
     pub(crate) outline: Option<(Vec3, Vec3)>,
     pub(crate) reading: Option<Reading>,
     pub(crate) export: Option<Export>,
-    /// If the picture is shown without its noise.
+    /// Denoiser, if the picture is shown without its noise.
     pub(crate) denoising: Option<Denoising>,
     pub(crate) fields: Fields,
     pub(crate) outgoing: Outgoing,
     pub(crate) reference: Option<PathBuf>,
-    /// When a hand last did something.
+    /// Time when a hand last did something.
     pub(crate) untouched: Instant,
     reloads: u32,
     watch: Option<Watch>,
     kernels: Option<KernelWatch>,
-    /// What the kernels were last compiled to.
+    /// SPIR-V that the kernels were last compiled to.
     spirv: Option<Spirv>,
     wake: Wake,
 }
 
-/// What the user has chosen that is not the scene's.
+/// Settings that the user has chosen and that are not the scene's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// How the film is shown.
+    /// Display of the film.
     pub look: Look,
-    /// No samples are added.
+    /// Whether no samples are added.
     pub paused: bool,
     /// Samples per pixel at which to stop.
     pub limit: Option<u32>,
     /// Samples per pixel and frame; `None`: as many as there is time for.
     pub samples_per_frame: Option<u32>,
-    /// The picture is as large as the scene says, whatever the window's size.
+    /// Whether the picture is as large as the scene says, whatever the window's size.
     pub scene_size: bool,
-    /// The panels are shown.
+    /// Whether the panels are shown.
     pub panels: bool,
-    /// The table of keys is shown.
+    /// Whether the table of keys is shown.
     pub help: bool,
 }
 
-/// What the window is to do when the frame is done.
+/// Requests to the window for when the frame is done.
 #[derive(Default)]
 pub struct Outgoing {
-    /// For the clipboard.
+    /// Text for the clipboard.
     pub text: Option<String>,
-    /// What the window shows, to this file.
+    /// File for a screenshot of the window.
     pub screenshot: Option<PathBuf>,
-    /// Close.
+    /// Whether the window is to close.
     pub quit: bool,
 }
 
-/// What is known of the pixel under the cursor.
+/// Values of the pixel under the cursor.
 #[derive(Clone, Copy)]
 pub struct Reading {
-    /// In the film, from the top left.
+    /// Column and row in the film, from the top left.
     pub pixel: [u32; 2],
-    /// Its sums.
+    /// Sums of the pixel.
     pub film: FilmPixel,
-    /// What the camera sees there.
+    /// Surface that the camera sees there, if any.
     pub pick: Option<Pick>,
 }
 
@@ -142,12 +142,12 @@ impl Viewer {
         self.document.scene()
     }
 
-    /// What it is seen from.
+    /// Camera that the scene is seen from.
     pub fn camera(&self) -> &Camera {
         self.pilot.camera()
     }
 
-    /// For scripts that wait.
+    /// State for scripts that wait.
     pub fn state(&self) -> State {
         let settled = self.tracer.settled();
         let samples = if settled { self.tracer.progress().samples } else { 0 };
@@ -155,7 +155,7 @@ impl Viewer {
         State { samples, stopped, exporting: self.export.is_some(), reloads: self.reloads }
     }
 
-    /// For the window's frame.
+    /// Title of the window.
     pub fn title(&self) -> String {
         let name = self.document.path().file_name().unwrap_or_default().to_string_lossy();
         format!("{name}{} - raggio", if self.document.is_modified() { " *" } else { "" })
@@ -172,7 +172,7 @@ impl Viewer {
         self.tracer.set_scene(self.document.scene(), self.pilot.camera())
     }
 
-    /// Something is going on that needs another frame.
+    /// Whether something is going on that needs another frame.
     pub fn is_busy(&self) -> bool {
         let tracing = !self.tracer.is_whole() || !self.settings.paused && !self.tracer.finished();
         let watching = self.watch.as_ref().is_some_and(Watch::is_waiting)
@@ -181,8 +181,8 @@ impl Viewer {
         tracing || watching || denoising || self.export.is_some() || self.pilot.is_moving()
     }
 
-    /// Does what panels, keys and scripts have asked for. What cannot be done is said; a device that was lost is an error,
-    /// after all has been tried.
+    /// Executes the commands of panels, keys and scripts. A failure becomes a notice; a device that was lost is an
+    /// error, after all has been tried.
     pub fn apply(&mut self, commands: Vec<Command>) -> Result<(), ViewError> {
         let mut outcome = Ok(());
         for command in commands {
@@ -203,7 +203,7 @@ impl Viewer {
         }
     }
 
-    /// Chooses a shape, or none; what the scene does not have cannot be chosen.
+    /// Selects a shape, or none; a shape that the scene does not have cannot be selected.
     fn select(&mut self, shape: Option<usize>) {
         let scene = self.document.scene();
         self.selection = shape.filter(|shape| *shape < scene.entries.len());
@@ -313,11 +313,11 @@ impl Viewer {
         if !self.pilot.steer(hands, seconds, |[x, y]| tracer.pick(x, y))? {
             return Ok(());
         }
-        // Such as into more bodies than a path can remember.
+        // The move may fail, such as into more bodies than a path can remember.
         self.follow_camera(true).inspect_err(|_| self.pilot.jump(before))
     }
 
-    /// The room for the picture has so many pixels now.
+    /// Takes over the size of the room for the picture, in pixels; the scene's own size stays if that was chosen.
     pub(crate) fn resize(&mut self, size: [u32; 2]) -> Result<(), ViewError> {
         if !self.settings.scene_size {
             return self.tracer.set_size(size);
@@ -328,7 +328,7 @@ impl Viewer {
         outcome
     }
 
-    /// As much of a room as the picture takes, in the room's own unit.
+    /// Width and height of the picture in a room, in the room's own unit.
     pub(crate) fn proportions(&self, width: f32, height: f32) -> [f32; 2] {
         if !self.settings.scene_size {
             return [width, height];
@@ -339,12 +339,12 @@ impl Viewer {
         [across * scale, down * scale]
     }
 
-    /// How long nothing changes by itself.
+    /// Time for which nothing changes by itself.
     pub(crate) fn patience(&self) -> Duration {
         if self.notices.is_waiting() { Duration::from_millis(500) } else { Duration::MAX }
     }
 
-    /// The picture is taken from where the pilot is.
+    /// Hands the pilot's camera to the tracer.
     pub(crate) fn follow_camera(&mut self, moving: bool) -> Result<(), ViewError> {
         self.tracer.set_camera(self.pilot.camera(), moving)
     }

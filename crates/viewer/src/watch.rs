@@ -7,12 +7,12 @@ use std::time::{Duration, Instant};
 
 use notify::{RecommendedWatcher, RecursiveMode, Watcher};
 
-/// Programs write a file in several steps; after the last one it is quiet for so long.
+/// Quiet time after the last step of a change: programs write a file in several steps.
 const QUIET: Duration = Duration::from_millis(80);
 
 /// Tells when something in a folder has changed.
 pub struct Watch {
-    // Stops watching when it goes.
+    // The watcher stops watching when it goes.
     _watcher: RecommendedWatcher,
     files: Vec<PathBuf>,
     changes: Receiver<()>,
@@ -25,7 +25,7 @@ enum Wanted {
 }
 
 impl Watch {
-    /// These files, by their canonical paths. Their folders are what is watched: many programs replace a file rather than
+    /// Watches files, given by their canonical paths, through their folders: many programs replace a file rather than
     /// write into it.
     pub fn files(files: Vec<PathBuf>, wake: impl Fn() + Send + 'static) -> Result<Self, notify::Error> {
         let folders: BTreeSet<_> = files.iter().filter_map(|file| file.parent()).map(Path::to_path_buf).collect();
@@ -34,12 +34,12 @@ impl Watch {
         Ok(Self { files, ..Self::new(folders, RecursiveMode::NonRecursive, wanted, wake)? })
     }
 
-    /// What is watched.
+    /// Files that [`Watch::files`] was given.
     pub fn watched(&self) -> &[PathBuf] {
         &self.files
     }
 
-    /// All files below `folder` with this ending.
+    /// Watches all files below `folder` with this ending.
     pub fn files_below(
         folder: &Path,
         ending: &'static str,
@@ -69,7 +69,7 @@ impl Watch {
         Ok(Self { _watcher: watcher, files: Vec::new(), changes, last: None })
     }
 
-    /// True once after each change, when it is over.
+    /// Whether a change is over; true once after each.
     pub fn changed(&mut self) -> bool {
         if self.changes.try_iter().count() > 0 {
             self.last = Some(Instant::now());
@@ -81,7 +81,7 @@ impl Watch {
         over
     }
 
-    /// A change is under way: worth asking again soon.
+    /// Whether a change is under way, which makes it worth asking again soon.
     pub fn is_waiting(&self) -> bool {
         self.last.is_some()
     }

@@ -44,26 +44,26 @@ struct App<'a> {
     files: Option<Files>,
     shown: Option<Shown>,
     outcome: Option<Result<Report, ViewError>>,
-    /// When the next frame is.
+    /// Time of the next frame.
     due: Option<Instant>,
 }
 
 /// The window and what is in it.
 struct Shown {
-    // Goes before its window.
+    // The stage goes before its window.
     stage: Stage,
     egui: egui_winit::State,
     window: Arc<Window>,
     title: String,
-    /// What the user was asked about before closing.
+    /// Text of the unsaved scene that the user was asked about before closing.
     asked: Option<String>,
-    /// The `--scale` of the command line, or a script's.
+    /// Scale factor of the command line's `--scale`, or of a script.
     scale: Option<f32>,
 }
 
 impl ApplicationHandler for App<'_> {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
-        // Taken once: some systems resume a program more often.
+        // The files are taken once: some systems resume a program more often.
         let Some(files) = self.files.take() else { return };
         match self.open(event_loop, files) {
             Ok(shown) => {
@@ -144,7 +144,7 @@ impl App<'_> {
         let opener = Opener::new(self.options, self.instance.clone());
         let proxy = std::sync::Mutex::new(self.proxy.clone());
         let wake = Arc::new(move || {
-            // Fails only when the window is closing.
+            // Sending fails only when the window is closing.
             let _ = proxy.lock().map(|proxy| proxy.send_event(()));
         });
         let stage = Stage::new(self.options, files, opener, Some(surface), [width, height], wake)?;
@@ -162,7 +162,7 @@ impl App<'_> {
 }
 
 impl Shown {
-    /// Draws a frame; `None` ends the program, otherwise when the next one is due.
+    /// Draws a frame; returns the delay of the next one, if one is due, or `None` to end the program.
     fn draw(&mut self) -> Result<Option<Option<Duration>>, ViewError> {
         let raw = self.egui.take_egui_input(&self.window);
         let window = self.window.clone();
@@ -185,7 +185,7 @@ impl Shown {
         Ok((!outcome.quit).then_some(outcome.next))
     }
 
-    /// The window may be on another monitor now, with a rate and a scale of its own.
+    /// Takes over the rate and the scale of the monitor, for the window may be on another one now.
     fn follow_monitor(&mut self) {
         if let Some(interval) = refresh_interval(&self.window) {
             self.stage.viewer.clock.set_interval(interval);
@@ -210,7 +210,7 @@ impl Shown {
         }
     }
 
-    /// Changes that are not saved are worth a second question.
+    /// Whether the window may close; changes that are not saved are worth a second question.
     fn may_close(&mut self) -> bool {
         let viewer = &mut self.stage.viewer;
         let text = viewer.document.text();
@@ -229,14 +229,14 @@ fn egui_for(stage: &Stage, window: &Arc<Window>) -> egui_winit::State {
     egui_winit::State::new(stage.screen.ctx().clone(), ViewportId::ROOT, window, Some(scale), None, None)
 }
 
-/// What the system says, without the place in winit's source that says it.
+/// Error with the system's message, without the place in winit's source that says it.
 fn no_display(error: &dyn std::fmt::Display) -> ViewError {
     let text = error.to_string();
     let inner = text.split_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")).map(|(_, inner)| inner.to_owned());
     ViewError::NoDisplay(inner.unwrap_or(text))
 }
 
-/// winit looks for this library when it needs it, and gives up on the whole program where it is missing.
+/// Looks for a library that winit needs: where it is missing, winit gives up on the whole program.
 #[cfg(all(unix, not(target_os = "macos")))]
 fn needs_libraries() -> Result<(), ViewError> {
     let wayland = std::env::var_os("WAYLAND_DISPLAY").is_some_and(|name| !name.is_empty());

@@ -1,4 +1,4 @@
-//! How the camera moves, in numbers.
+//! Movements of the camera, in numbers.
 
 use std::f32::consts::{PI, TAU};
 
@@ -20,12 +20,12 @@ fn camera() -> Camera {
     camera
 }
 
-/// Another vertical, tilted and not of unit length.
+/// A camera with another vertical, tilted and not of unit length.
 fn tilted() -> Camera {
     Camera { up: Vec3::new(0.5, 2.0, 0.25), ..camera() }
 }
 
-/// Where a point is in the picture, in heights of it from the middle, right and up; and its depth.
+/// Position of a point in the picture, in heights of it from the middle, right and up; and its depth.
 fn project(camera: &Camera, point: Vec3) -> (f64, f64, f64) {
     let Axes { right, up, forward } = axes(camera);
     let towards = point.as_dvec3() - camera.position.as_dvec3();

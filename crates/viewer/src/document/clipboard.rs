@@ -18,7 +18,7 @@ pub fn camera_text(camera: &Camera) -> String {
 /// The camera in a text: of [`camera_text`], of its keys alone, or of a whole scene.
 ///
 /// # Errors
-/// One sentence when the text has no camera, or one that cannot be.
+/// One sentence for the user when the text has no camera, or one that cannot be used.
 pub fn camera_from_text(text: &str) -> Result<Camera, String> {
     let toml = text.parse::<DocumentMut>().ok();
     let item = toml.as_ref().and_then(camera_item);

@@ -7,10 +7,11 @@ use super::error::item;
 use super::fields::{self, Field, kind};
 use super::{Document, EditError, lists, tree};
 
-/// Each returns whether the text changed; a new value equal to the old one is no change and no step to undo.
+/// Edits that return whether the text changed, or the index of what they added; a new value equal to the old one is no
+/// change and no step to undo.
 ///
-/// Every one fails with [`EditError::Scene`] when the result would not be a valid scene, and with [`EditError::Missing`]
-/// when an index is out of range; nothing changes then.
+/// Every edit fails with [`EditError::Scene`] when the result would not be a valid scene, and with
+/// [`EditError::Missing`] when an index is out of range; nothing changes then.
 impl Document {
     /// Moves the camera. `focus_distance` stays out of a file that does not have it while it is the distance of the
     /// point looked at.
@@ -139,10 +140,10 @@ fn write_section(toml: &mut DocumentMut, key: &str, fields: &[Field]) {
     tree::write_fields(section(toml, key), fields);
 }
 
-/// A table of the scene's own; if it is not there it is added beside that of the camera, which every scene has.
+/// The scene's table of this key; if it is not there it is added beside that of the camera, which every scene has.
 pub(super) fn section<'a>(toml: &'a mut DocumentMut, key: &str) -> &'a mut Item {
     let camera = toml.get("camera").and_then(Item::as_table).and_then(Table::position);
-    // Of two tables with one place, the one that was added is written last.
+    // Two tables may have one place: the one that was added is written last.
     let place = camera.map(|place| if key == "render" { place - 1 } else { place });
     toml.entry(key).or_insert_with(|| {
         let mut table = Table::new();
@@ -151,7 +152,7 @@ pub(super) fn section<'a>(toml: &'a mut DocumentMut, key: &str) -> &'a mut Item 
     })
 }
 
-/// In the way in which the last material is written.
+/// Adds a material in the form in which the last one is written.
 fn add_material(toml: &mut DocumentMut, name: &str, fields: &[Field]) {
     let materials = toml.entry("materials").or_insert_with(|| {
         let mut table = Table::new();
@@ -167,7 +168,7 @@ fn add_material(toml: &mut DocumentMut, name: &str, fields: &[Field]) {
     }
 }
 
-/// `name`, or `name_2`, `name_3` and so on.
+/// A name that no material has: `name`, or `name_2`, `name_3` and so on.
 fn free_name(scene: &Scene, name: &str) -> String {
     let is_free = |name: &str| scene.materials.iter().all(|material| material.name != name);
     let name = if name.trim().is_empty() { "material" } else { name.trim() };
@@ -180,14 +181,14 @@ fn free_name(scene: &Scene, name: &str) -> String {
     names.find(|name| is_free(name)).unwrap_or_else(|| stem.to_string())
 }
 
-/// The key of a shape's geometry, counted as in the file.
+/// The key of a shape's geometry; shapes are counted as in the file.
 fn kind_of(scene: &Scene, index: usize) -> Result<&'static str, EditError> {
     let entry = item(&scene.entries, index, "shape")?;
     let other = || scene.shapes_of(index).first().map_or("shape", |shape| kind(&shape.geometry));
     Ok(if entry.placement.is_some() { "mesh" } else { other() })
 }
 
-/// Names another material, or none.
+/// Gives a shape the material of this name, or none.
 fn paint(shape: &mut Item, material: Option<&str>) {
     match (material, tree::child(shape, "material")) {
         (Some(name), Some(Item::Value(value))) => tree::replace(value, name.into()),
@@ -197,7 +198,7 @@ fn paint(shape: &mut Item, material: Option<&str>) {
     }
 }
 
-/// What the change is called.
+/// Name of a shape's change, for undo.
 fn change_of_shape(scene: &Scene, index: usize, new: &Geometry) -> Result<String, EditError> {
     item(&scene.entries, index, "shape")?;
     let old = &item(scene.shapes_of(index), 0, "shape")?.geometry;

@@ -1,32 +1,32 @@
-//! Why an edit was refused.
+//! Reasons why edits are refused.
 
 use std::io;
 
 use raggio_scene::SceneError;
 
-/// Why a document did not change, or was not written. Nothing has changed when one is returned.
+/// Reason why a document did not change, or was not written. Nothing has changed when one is returned.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum EditError {
     /// The edited text would not be a valid scene; line and column are those of that text.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The file system said no.
+    /// The file system refused to write the file.
     #[error("{path}: cannot be written: {source}")]
     Unwritable {
         /// The file, as messages name it.
         path: String,
-        /// Why.
+        /// Error of the file system.
         source: io::Error,
     },
     /// An index out of range.
     #[error("there is no {what} {index}: the scene has {count}, counted from 0")]
     Missing {
-        /// `"shape"` or `"material"`.
+        /// Kind of the list, `"shape"` or `"material"`.
         what: &'static str,
-        /// The index.
+        /// The index, counted from 0.
         index: usize,
-        /// How many there are.
+        /// Number of entries in the list.
         count: usize,
     },
     /// A path that leads nowhere, or a value that is not TOML; one sentence.
@@ -34,7 +34,7 @@ pub enum EditError {
     Path(String),
 }
 
-/// What `items[index]` would be, or that it does not exist.
+/// Returns `items[index]`, or [`EditError::Missing`] where it does not exist.
 pub(super) fn item<'a, T>(items: &'a [T], index: usize, what: &'static str) -> Result<&'a T, EditError> {
     items.get(index).ok_or(EditError::Missing { what, index, count: items.len() })
 }

@@ -1,4 +1,5 @@
-//! The parts of a scene as keys of the file: what each said, what it shall say, what its absence says.
+//! The parts of a scene as keys of the file, each with its old value, its new value and the value that its absence
+//! means.
 
 use raggio_scene::{
     Camera, Environment, Filter, Geometry, Material, Placement, Reflection, RenderSettings, Sampler, Vec3,
@@ -28,7 +29,7 @@ pub(super) struct Field {
     pub(super) absent: Datum,
 }
 
-/// A key that is the same function of the old and the new whole.
+/// A key whose old and new value are one function of the old and the new whole.
 fn field<T>(key: &'static str, old: &T, new: &T, absent: Datum, datum: impl Fn(&T) -> Datum) -> Field {
     Field { key, old: datum(old), new: datum(new), absent }
 }
@@ -47,7 +48,7 @@ pub(super) fn camera(old: &Camera, new: &Camera) -> Vec<Field> {
 
 pub(super) fn material(old: &Material, new: &Material) -> Vec<Field> {
     use Datum::{Absent, Number, Vector, Whole, Word};
-    // As the reader has it: a lamp is black unless told otherwise.
+    // The reader's default: a lamp is black unless told otherwise.
     let color = if new.emission_strength > 0.0 { 0.0 } else { 0.8 };
     vec![
         field("color", old, new, Vector(Vec3::splat(color)), |it| Vector(it.color)),
@@ -78,7 +79,7 @@ pub(super) fn environment(old: &Environment, new: &Environment) -> Vec<Field> {
             Environment::Gradient { zenith, .. } => Vector(*zenith),
             _ => Absent,
         }),
-        // Its path is known to the file alone: an image can be taken away, but not be put there.
+        // The path of an image is known to the file alone: an image can be taken away, but not be put there.
         field("image", old, new, Absent, |it| match it {
             Environment::Image { .. } => Datum::Word("an image"),
             _ => Absent,
@@ -94,7 +95,7 @@ pub(super) fn environment(old: &Environment, new: &Environment) -> Vec<Field> {
     ]
 }
 
-/// What the absence of a number means that only an image has.
+/// Value that is meant by the absence of a number that only an image has.
 fn of_image(environment: &Environment, default: f32) -> Datum {
     match environment {
         Environment::Image { .. } => Datum::Number(default),
@@ -170,7 +171,7 @@ fn data(geometry: &Geometry) -> Vec<(&'static str, Datum)> {
         Geometry::Box { center, size, rotation_degrees } => {
             vec![("center", Vector(center)), ("size", Vector(size)), ("rotation_degrees", Vector(rotation_degrees))]
         }
-        // Of a mesh the file says the placement.
+        // The file holds the placement of a mesh instead.
         Geometry::Mesh { .. } => vec![],
     }
 }

@@ -1,9 +1,9 @@
-//! Texts to go back to.
+//! History of a document: the texts to go back to.
 
-/// Older steps are forgotten.
+/// Most steps that are kept; older ones are forgotten.
 const MOST_STEPS: usize = 1000;
 
-/// What was done, and the text on the other side of it.
+/// Name of an edit, and the text on the other side of it.
 #[derive(Debug)]
 struct Step {
     name: String,
@@ -56,13 +56,13 @@ impl History {
         self.redo.last().map(|step| step.name.as_str())
     }
 
-    /// The step's name, and the text before it.
+    /// Goes back one step and returns its name, and the text before it.
     pub(super) fn undo(&mut self, text: &str) -> Option<(String, String)> {
         self.end_gesture();
         exchange(&mut self.undo, &mut self.redo, text)
     }
 
-    /// The step's name, and the text after it.
+    /// Goes forward one step and returns its name, and the text after it.
     pub(super) fn redo(&mut self, text: &str) -> Option<(String, String)> {
         self.end_gesture();
         exchange(&mut self.redo, &mut self.undo, text)

@@ -1,4 +1,5 @@
-//! What `toml_edit` does not keep of a text: the byte order mark, the kind of line breaks, the end of the last line.
+//! Parts of a text that `toml_edit` does not keep: the byte order mark, the kind of line breaks, the end of the last
+//! line.
 
 use toml_edit::DocumentMut;
 

@@ -4,9 +4,9 @@ use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, Val
 
 use super::tree::{raw, take_suffix};
 
-/// The table of a shape.
+/// The table of the shape at `index`, counted as in the file.
 pub(super) fn shape(toml: &mut DocumentMut, index: usize) -> Option<&mut Item> {
-    // On a list, and on nothing else, a number as an index adds nothing.
+    // A number indexes a list and nothing else, and adds no entry to it.
     toml.get_mut("shapes")?.get_mut(index)
 }
 
@@ -38,7 +38,7 @@ pub(super) fn push_copy(toml: &mut DocumentMut, index: usize) {
     }
 }
 
-/// Without places, tables are written where they stand in the list.
+/// Clears the places of tables: without them, tables are written where they stand in the list.
 fn forget_places(table: &mut Table) {
     table.set_position(None);
     for (_, item) in table.iter_mut() {
@@ -94,15 +94,15 @@ fn remove_inline(array: &mut Array, index: usize) {
     }
 }
 
-/// What stands between two neighbours when the value between `before` and `after` is gone: a comment on the line of the
-/// first stays, one on the line of the value goes. `None` where the value does not end its line.
+/// Text between two neighbours when the value between `before` and `after` is gone: a comment on the line of the first
+/// stays, one on the line of the value goes. `None` where the value does not end its line.
 fn join(before: &str, after: &str) -> Option<String> {
     let start = after.find('\n')?;
     let end = before.find('\n').unwrap_or(0);
     Some(format!("{}{}", &before[..end], &after[start..]))
 }
 
-/// Moves what stands before the closing bracket from the last value to the array, and out of it.
+/// Takes the text before the closing bracket out of the last value and the array, and returns it.
 fn take_tail(array: &mut Array) -> String {
     let suffix = array.iter_mut().last().map(take_suffix).unwrap_or_default();
     let tail = suffix + raw(array.trailing());

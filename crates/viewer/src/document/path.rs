@@ -5,15 +5,17 @@ use toml_edit::{DocumentMut, Item, Key, Table, Value};
 use super::edits::section;
 use super::{Document, EditError, tree};
 
-/// More names than this help nobody.
+/// Most names that a message lists; more help nobody.
 const MOST_NAMES: usize = 8;
 
 impl Document {
     /// Sets one key to a TOML value: `materials.red.color` to `[1, 0, 0]`, `shapes.2.sphere.radius` to `0.5`. Shapes
-    /// and components are counted from 0, names in need of quotes have them as in TOML. Whether the text changed.
+    /// and components are counted from 0, names in need of quotes have them as in TOML. Returns whether the text
+    /// changed.
     ///
     /// # Errors
-    /// When the path leads nowhere, the value is not TOML, or the result would not be a valid scene.
+    /// [`EditError::Path`] when the path leads nowhere, or the value is not TOML or cannot stand there;
+    /// [`EditError::Scene`] when the result would not be a valid scene.
     pub fn edit_path(&mut self, path: &str, value: &str) -> Result<bool, EditError> {
         let keys = Key::parse(path).map_err(|_| EditError::Path(format!("`{path}` is no path of a key")))?;
         let value = value.trim().parse::<Value>();
@@ -43,7 +45,7 @@ fn set(toml: &mut DocumentMut, keys: &[Key], value: Value) -> Result<(), EditErr
     put(step(item, last.get(), &place)?, value, &[place.as_slice(), &[last.get()]].concat())
 }
 
-/// What `key` leads to from the item at `place`.
+/// Item that `key` leads to from the item at `place`.
 fn step<'a>(item: &'a mut Item, key: &str, place: &[&str]) -> Result<&'a mut Item, EditError> {
     let here = named(place);
     if let Some(count) = length(item) {
@@ -57,7 +59,7 @@ fn step<'a>(item: &'a mut Item, key: &str, place: &[&str]) -> Result<&'a mut Ite
     table.get_mut(key).ok_or_else(|| EditError::Path(format!("{here} has no `{key}`: it has {keys}")))
 }
 
-/// Of a list.
+/// Length of a list; `None` for any other item.
 fn length(item: &Item) -> Option<usize> {
     let tables = item.as_array_of_tables().map(toml_edit::ArrayOfTables::len);
     tables.or(item.as_array().map(toml_edit::Array::len))
@@ -76,7 +78,7 @@ fn put(item: &mut Item, value: Value, place: &[&str]) -> Result<(), EditError> {
     Ok(())
 }
 
-/// `new` where and as `old` is written.
+/// Gives `new` the comments, the place and the form of `old`.
 fn in_place_of(old: &Table, mut new: Table) -> Table {
     *new.decor_mut() = old.decor().clone();
     new.set_position(old.position());

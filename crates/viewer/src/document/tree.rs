@@ -5,7 +5,7 @@ use toml_edit::{Array, InlineTable, Item, RawString, Table, Value};
 
 use super::fields::{Datum, Field};
 
-/// Beyond it whole numbers are no easier to read than any others.
+/// Largest number written without a point; beyond it whole numbers are no easier to read than any others.
 const LARGEST_WHOLE: f32 = 1e15;
 
 /// Writes the keys that change, each where and as it stands, new ones at the end.
@@ -21,7 +21,7 @@ pub(super) fn write_fields(table: &mut Item, fields: &[Field]) {
     }
 }
 
-/// The item of a key that is there.
+/// The item of a key, if the table has it.
 pub(super) fn child<'a>(table: &'a mut Item, key: &str) -> Option<&'a mut Item> {
     table.as_table_like_mut()?.get_mut(key)
 }
@@ -55,7 +55,7 @@ pub(super) fn remove(table: &mut Item, key: &str) {
     }
 }
 
-/// A table whose parent has no header needs one of its own.
+/// Item for a parent without a header, in which a table needs a header of its own.
 fn under_header(value: Value) -> Item {
     match value {
         Value::InlineTable(table) => Item::Table(table.into_table()),
@@ -82,7 +82,7 @@ fn settle(table: &mut InlineTable) {
     table.set_trailing(tail);
 }
 
-/// Takes away what stands after a value.
+/// Takes away the space and comments after a value, and returns them.
 pub(super) fn take_suffix(value: &mut Value) -> String {
     // A suffix that is not known is a default one, which is written as the place demands.
     let suffix = value.decor().suffix().map_or(String::new(), |suffix| raw(suffix).to_string());
@@ -95,14 +95,14 @@ pub(super) fn raw(text: &RawString) -> &str {
     text.as_str().unwrap_or_default()
 }
 
-/// The values in a new table of the same keys.
+/// A new inline table with the new values of the fields.
 pub(super) fn inline_table(fields: &[Field]) -> Value {
     let mut item = Item::Value(Value::InlineTable(InlineTable::new()));
     write_fields(&mut item, fields);
     item.into_value().unwrap_or_else(|_| InlineTable::new().into())
 }
 
-/// The values under a new header.
+/// A new table under a header with the new values of the fields.
 pub(super) fn table(fields: &[Field]) -> Item {
     let mut item = Item::Table(Table::new());
     write_fields(&mut item, fields);
@@ -121,7 +121,7 @@ fn overwrite(item: &mut Item, datum: Datum) {
     }
 }
 
-/// A number that is right already keeps its digits.
+/// Replaces a number; one that is right already keeps its digits.
 fn overwrite_number(old: &mut Value, new: f32) {
     let known = old.as_float().or(old.as_integer().map(|whole| whole as f64));
     if known.is_none_or(|known| known as f32 != new) {
@@ -144,7 +144,7 @@ fn array(vector: Vec3) -> Value {
     vector.to_array().into_iter().map(number).collect::<Array>().into()
 }
 
-/// With the fewest digits that give the same 32-bit number back, and without a point where it is whole.
+/// Writes a number with the fewest digits that give the same 32-bit number back, and without a point where it is whole.
 fn number(x: f32) -> Value {
     if x == x.trunc() && x.abs() <= LARGEST_WHOLE {
         return (x as i64).into();

@@ -7,7 +7,7 @@ use raggio_scene::Camera;
 
 use super::view::{axes, camera_heading, heading, pitch_of, pitched, vertical, view_distance};
 
-/// Long enough to see where one goes.
+/// Duration of a transition, long enough to see where one goes.
 const TRANSITION_SECONDS: f32 = 0.25;
 
 /// Views kept under the numbers 1 to 9.
@@ -39,12 +39,12 @@ pub struct Transition {
 }
 
 impl Transition {
-    /// At its beginning.
+    /// Begins a transition.
     pub fn new(from: Camera, to: Camera) -> Self {
         Self { from, to, seconds: 0.0 }
     }
 
-    /// The camera `dt` seconds further on the way.
+    /// Goes on by `dt` seconds and returns the camera there.
     pub fn advance(&mut self, dt: f32) -> Camera {
         self.seconds += dt.max(0.0);
         self.camera()
@@ -59,7 +59,7 @@ impl Transition {
         between(&self.from, &self.to, way * way * (3.0 - 2.0 * way))
     }
 
-    /// Whether it has arrived.
+    /// Whether the transition has arrived.
     pub fn is_done(&self) -> bool {
         self.seconds >= TRANSITION_SECONDS
     }

@@ -2,9 +2,9 @@
 
 use raggio_scene::Vec3;
 
-/// After this long a velocity has come 63 % closer to the one that is wanted.
+/// Time constant of the smoothing: after it a velocity has come 63 % closer to the one that is wanted.
 const SMOOTHING_SECONDS: f64 = 0.06;
-/// A pause between two frames is not flown through.
+/// Longest frame that is flown through; a pause between two frames is not.
 const LONGEST_FRAME_SECONDS: f64 = 0.25;
 /// Share of the speed below which what has been released stands still.
 const REST: f32 = 1e-3;
@@ -36,7 +36,8 @@ pub struct Motion {
 
 impl Motion {
     /// The displacement over `dt` seconds, along whatever axes `wanted` is given in. `wanted` is the direction of the
-    /// keys held, zero when there are none, and counts as a unit vector where it is longer; `speed` is in units a second.
+    /// keys held, zero when there are none, and counts as a unit vector where it is longer; `speed` is in units a
+    /// second.
     pub fn advance(&mut self, dt: f32, wanted: Vec3, speed: f32) -> Vec3 {
         let seconds = f64::from(dt).clamp(0.0, LONGEST_FRAME_SECONDS);
         let target = (wanted.clamp_length_max(1.0) * speed).as_dvec3();
@@ -51,7 +52,7 @@ impl Motion {
         displacement.as_vec3()
     }
 
-    /// Whether it is not at rest.
+    /// Whether the velocity is not zero.
     pub fn is_moving(&self) -> bool {
         self.velocity != Vec3::ZERO
     }

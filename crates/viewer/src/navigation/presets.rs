@@ -1,24 +1,24 @@
-//! Which button does what, in the ways that people know from other programs.
+//! Actions of the mouse's buttons and wheel, in the ways that people know from other programs.
 
-/// A way to steer.
+/// A way to steer the camera with the mouse.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Preset {
     /// The left button orbits about the point under the cursor, the right one looks around.
     #[default]
     Raggio,
-    /// As in Blender.
+    /// Buttons of Blender: the middle one orbits, pans with Shift, and goes closer and farther with Ctrl.
     Blender,
-    /// As three.js does it on web pages.
+    /// Buttons of three.js on web pages: left orbits, middle goes closer and farther, right pans.
     OrbitControls,
-    /// As in a game seen through the player's eyes.
+    /// Buttons of a game seen through the player's eyes: the left and the right one look around, the middle one pans.
     Game,
 }
 
 impl Preset {
-    /// Every one, in the order of a menu.
+    /// All presets, in the order of a menu.
     pub const ALL: [Self; 4] = [Self::Raggio, Self::Blender, Self::OrbitControls, Self::Game];
 
-    /// What a menu calls it.
+    /// Name of the preset in menus and scripts.
     pub fn name(self) -> &'static str {
         match self {
             Self::Raggio => "raggio",
@@ -37,15 +37,15 @@ impl Preset {
 /// A button of the mouse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Button {
-    /// The first.
+    /// Primary button.
     Left,
-    /// Often the wheel.
+    /// Middle button, often the wheel.
     Middle,
-    /// The second.
+    /// Secondary button.
     Right,
 }
 
-/// Keys held with a button.
+/// Modifier keys held with a button.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Modifiers {
     /// Either Shift key.
@@ -56,7 +56,7 @@ pub struct Modifiers {
     pub alt: bool,
 }
 
-/// What dragging does.
+/// Action of dragging.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DragAction {
     /// Turns the camera on the spot.
@@ -69,7 +69,7 @@ pub enum DragAction {
     Dolly,
 }
 
-/// What the wheel does.
+/// Action of the wheel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WheelAction {
     /// Moves towards a point and away.
@@ -78,7 +78,7 @@ pub enum WheelAction {
     Speed,
 }
 
-/// What dragging with a button does, if anything.
+/// Action of dragging with a button, if it has one.
 pub fn action(preset: Preset, button: Button, modifiers: Modifiers) -> Option<DragAction> {
     use Button::{Left, Middle, Right};
     match (preset, button) {
@@ -97,7 +97,7 @@ pub fn action(preset: Preset, button: Button, modifiers: Modifiers) -> Option<Dr
     }
 }
 
-/// What the wheel does while `held` is the button held down.
+/// Action of the wheel while `held` is the button held down.
 pub fn wheel(preset: Preset, held: Option<Button>) -> WheelAction {
     match (preset, held) {
         (Preset::Game, _) | (Preset::Raggio, Some(Button::Right)) => WheelAction::Speed,

@@ -1,9 +1,9 @@
-//! Where a camera looks, and how a new one is made of it.
+//! Directions of a camera, and new cameras made from it.
 
 use glam::{DQuat, DVec3};
 use raggio_scene::Camera;
 
-/// 89 degrees.
+/// Greatest pitch: 89 degrees, in radians.
 const STEEPEST: f64 = 89.0 / 180.0 * std::f64::consts::PI;
 /// Sine of the least angle between a direction and the vertical at which it has a heading.
 const PARALLEL: f64 = 1e-5;
@@ -17,11 +17,11 @@ const FARTHEST: f64 = 1e14;
 /// The directions of a picture: unit vectors at right angles, `right` × `up` = -`forward`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes {
-    /// To the picture's right edge.
+    /// Direction to the picture's right edge.
     pub right: DVec3,
-    /// To the picture's top edge; not the vertical unless the camera looks level.
+    /// Direction to the picture's top edge; not the vertical unless the camera looks level.
     pub up: DVec3,
-    /// Into the picture.
+    /// Viewing direction, into the picture.
     pub forward: DVec3,
 }
 
@@ -72,8 +72,8 @@ pub(super) fn turned(camera: &Camera, yaw: f64, pitch: f64) -> DVec3 {
     pitched(heading, vertical, pitch_of(axes(camera).forward, vertical) + pitch)
 }
 
-/// The camera from elsewhere, its focus following or not; as it was if 32 bits could not hold the new one. A `look_at`
-/// that would be too close is moved away along the viewing direction.
+/// Moves the camera to `position` and `look_at`, its focus following or not; leaves it as it was if 32 bits could not
+/// hold the new one. A `look_at` that would be too close is moved away along the viewing direction.
 pub(super) fn moved(camera: &Camera, position: DVec3, look_at: DVec3) -> Camera {
     let size = position.abs().max(look_at.abs()).max_element();
     let Some(forward) = (look_at - position).try_normalize() else { return camera.clone() };

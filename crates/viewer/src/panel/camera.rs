@@ -1,4 +1,4 @@
-//! Where the picture is taken from.
+//! Controls of the camera.
 
 use egui::{ComboBox, DragValue, Ui};
 
@@ -17,7 +17,7 @@ const SIDES: [(&str, [f32; 3]); 6] = [
     ("bottom", [0.0, -1.0, 0.0]),
 ];
 
-/// The camera's numbers, and how hands move it.
+/// Draws the camera's numbers, and the controls of how hands move it.
 pub fn show(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     let mut camera = viewer.camera().clone();
     let speed = step((camera.look_at - camera.position).length());

@@ -18,7 +18,7 @@ pub fn row<T>(ui: &mut Ui, name: &str, control: impl FnOnce(&mut Ui) -> T) -> T 
 
 /// A number that is dragged or typed; `speed` is for a point of the drag.
 pub fn number(ui: &mut Ui, value: &mut f32, speed: f32, range: std::ops::RangeInclusive<f32>) -> Response {
-    // What is out of range in a scene's file stays so until it is changed here.
+    // A number out of range in a scene's file stays so until it is changed here.
     ui.add(DragValue::new(value).speed(speed).range(range).clamp_existing_to_range(false).max_decimals(6))
 }
 
@@ -62,7 +62,7 @@ pub fn radiance(ui: &mut Ui, value: &mut Vec3) -> bool {
     .inner
 }
 
-/// A length as dragged: a hundredth of its size at a time.
+/// Step of a length that is dragged: a hundredth of its size at a time.
 pub fn step(value: f32) -> f32 {
     (value.abs() * 0.01).clamp(1e-5, 1e4)
 }

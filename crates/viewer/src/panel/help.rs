@@ -6,7 +6,7 @@ use crate::command::Command;
 use crate::navigation::describe;
 use crate::viewer::Viewer;
 
-/// A window over the picture.
+/// Draws the table of keys in a window over the picture.
 pub fn show(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     let mut open = true;
     let preset = viewer.pilot.preset();

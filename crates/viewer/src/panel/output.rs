@@ -7,7 +7,7 @@ use crate::command::{Command, ExportRequest};
 use crate::fields::Fields;
 use crate::viewer::Viewer;
 
-/// Save, open, export.
+/// Draws the controls that save, open and export.
 pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Vec<Command>) {
     table(ui, "files", |ui| {
         row(ui, "scene", |ui| {

@@ -1,4 +1,4 @@
-//! How the film is shown.
+//! Controls of how the film is shown.
 
 use egui::{ComboBox, DragValue, Slider, SliderClamping, TextEdit, Ui};
 use raggio_render::{Comparison, View};
@@ -10,7 +10,7 @@ use crate::look::Look;
 use crate::names::{COMPARISONS, TONE_MAPPERS, VIEWS};
 use crate::viewer::Viewer;
 
-/// View, exposure, tone mapping, comparison, and how samples are added.
+/// Draws the controls of view, exposure, tone mapping, comparison, and of how samples are added.
 pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Vec<Command>) {
     let mut look = viewer.settings.look;
     table(ui, "picture", |ui| {
@@ -55,7 +55,7 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Ve
     }
 }
 
-/// How many samples a frame adds.
+/// Draws the number of samples that a frame adds.
 fn samples(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let mut automatic = viewer.settings.samples_per_frame.is_none();
@@ -69,7 +69,7 @@ fn samples(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     });
 }
 
-/// How long paths may be.
+/// Draws the greatest length of paths.
 fn depth(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     let mut render = viewer.scene().render.clone();
     if ui.add(DragValue::new(&mut render.max_depth).range(0..=65535).suffix(" rays a path")).changed() {
@@ -99,7 +99,7 @@ fn compare(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, look: &mut Look, c
     });
 }
 
-/// One of a list of named things.
+/// Draws a choice of one of a list of named values.
 fn choose<T: PartialEq + Copy>(ui: &mut Ui, id: &str, value: &mut T, names: &[(T, &str)]) {
     let name = |value: &T| names.iter().find(|(known, _)| known == value).map_or("", |(_, name)| name);
     ComboBox::from_id_salt(id).width(150.0).selected_text(name(value)).show_ui(ui, |ui| {

@@ -1,4 +1,4 @@
-//! What is under the cursor.
+//! Values of the picture under the cursor.
 
 use egui::{RichText, Ui};
 use raggio_render::Feature;
@@ -7,7 +7,7 @@ use raggio_scene::Vec3;
 use super::controls::{row, table};
 use crate::viewer::Viewer;
 
-/// Radiance, position, normal, material.
+/// Draws radiance, position, normal and material under the cursor.
 pub fn show(ui: &mut Ui, viewer: &Viewer) {
     let reading = viewer.reading.as_ref();
     let pick = reading.and_then(|reading| reading.pick);

@@ -1,4 +1,4 @@
-//! What the picture is of: shapes, materials, sky.
+//! Editor of the scene: shapes, materials, sky.
 
 mod geometry;
 mod material;
@@ -21,7 +21,7 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Ve
     let row_height = ui.text_style_height(&egui::TextStyle::Body) + 4.0;
     let height = 7.0 * row_height;
     let mut list = ScrollArea::vertical().id_salt("shapes").max_height(height).auto_shrink([false, true]);
-    // What was chosen in the picture is to be seen in the list.
+    // A shape selected in the picture is to be seen in the list.
     if fields.scrolled_to != viewer.selection {
         fields.scrolled_to = viewer.selection;
         let row = viewer.selection.unwrap_or_default() as f32 * (row_height + ui.spacing().item_spacing.y);
@@ -55,12 +55,13 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Ve
     sky::show(ui, scene, commands);
 }
 
-/// A plane is everywhere: there is no going to it.
+/// Draws the button that goes to the selected shape and returns whether it was clicked; a plane is everywhere, so that
+/// there is no going to it.
 fn go_to(ui: &mut Ui, viewer: &Viewer) -> bool {
     ui.add_enabled(viewer.outline.is_some(), egui::Button::new("Go to")).on_hover_text("double click").clicked()
 }
 
-/// What a shape is called: its kind or its file, and its place among all.
+/// Name of a shape: its kind or its file, and its place among all.
 pub fn shape_name(scene: &Scene, shape: usize) -> String {
     let placement = scene.entries.get(shape).and_then(|entry| entry.placement.as_ref());
     if let Some(file) = placement.map(|placement| Path::new(&placement.file)) {
@@ -123,7 +124,7 @@ fn swatch_color(material: &Material) -> Vec3 {
     }
 }
 
-/// New shapes appear where the camera looks, in a size that shows.
+/// Draws the menu of new shapes, which appear where the camera looks, in a size that shows.
 fn add(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     let scene = viewer.scene();
     let camera = viewer.camera();
@@ -146,7 +147,7 @@ fn add(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     }
 }
 
-/// As a display shows it.
+/// Converts a linear colour to that of a display, clamped to 0 to 1.
 fn srgb(color: Vec3) -> Color32 {
     let [r, g, b] = color.to_array().map(|x| x.clamp(0.0, 1.0));
     Rgba::from_rgb(r, g, b).into()

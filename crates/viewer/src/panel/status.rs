@@ -1,4 +1,4 @@
-//! How it goes: at the top of the panel, always in sight.
+//! Status of the rendering: at the top of the panel, always in sight.
 
 use egui::{DragValue, ProgressBar, RichText, Ui};
 
@@ -6,7 +6,7 @@ use super::controls::{row, table};
 use crate::command::Command;
 use crate::viewer::Viewer;
 
-/// Figures, and what holds and restarts them.
+/// Draws the figures, and the buttons that pause and restart.
 pub fn show(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     ui.add_space(4.0);
     let name = viewer.document.path().file_name().unwrap_or_default().to_string_lossy();
@@ -61,7 +61,7 @@ fn memory(viewer: &Viewer) -> String {
     }
 }
 
-/// With three digits and a unit's prefix.
+/// Writes a number with three digits and a unit's prefix.
 fn large(value: f64) -> String {
     let (value, unit) = match value {
         v if v >= 1e9 => (v / 1e9, "G"),

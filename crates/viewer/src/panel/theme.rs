@@ -1,8 +1,8 @@
-//! How panels look: dark and quiet, for the picture is what matters.
+//! Look of the panels: dark and quiet, for the picture is what matters.
 
 use egui::{Color32, Context, CornerRadius, Stroke, Theme, Visuals};
 
-/// What can be changed, and what is chosen.
+/// Colour of controls that can be changed, and of what is chosen.
 pub const ACCENT: Color32 = Color32::from_rgb(0xe8, 0x9c, 0x3c);
 
 /// Sets the colours, whatever the system's are.

@@ -7,7 +7,7 @@ fn scene() -> Scene {
     Scene::parse(text, "test").expect("a scene")
 }
 
-/// What is under the cursor, wherever it is: the front of the sphere.
+/// A pick of the front of the sphere, wherever the cursor is.
 fn front(_: [f32; 2]) -> Result<Option<Pick>, ViewError> {
     let position = Vec3::new(0.0, 1.0, 1.0);
     Ok(Some(Pick { position, normal: Vec3::Z, distance: 3.0, shape: 0, material: 0 }))
@@ -35,13 +35,14 @@ fn hands_that_rest_leave_the_camera_alone() {
 fn an_orbit_keeps_its_distance_to_the_point_that_was_under_the_cursor() {
     let mut pilot = Pilot::new(&scene());
     let pivot = Vec3::new(0.0, 1.0, 1.0);
-    // It is looked up when the button goes down, and not again.
+    // The point is looked up when the button goes down, and not again.
     assert!(!pilot.steer(&drag(Button::Left, [0.0, 0.0]), 0.016, front).expect("no device"));
     for _ in 0..20 {
         assert!(pilot.steer(&drag(Button::Left, [0.02, 0.005]), 0.016, nothing).expect("no device"));
         assert!(((pilot.camera().position - pivot).length() - 3.0).abs() < 1e-4);
     }
-    // To the right with the mouse: to the left around the object, which seems to turn with the hand; and down: above it.
+    // The mouse moves right and the camera left around the object, which seems to turn with the hand; the mouse moves
+    // down and the camera above it.
     assert!(pilot.camera().position.x < -0.5 && pilot.camera().position.y > 1.1);
 }
 

@@ -1,4 +1,4 @@
-//! From a script's text to its steps.
+//! Parser of scripts: the text goes in, its steps come out.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -12,7 +12,7 @@ use crate::command::{Command, Edit, ExportRequest, Navigate};
 use crate::error::ViewError;
 use crate::names::{comparison_named, preset_named, tones_named, view_named};
 
-/// One step for each line that is neither empty nor a comment.
+/// Parses a script: one step for each line that is neither empty nor a comment.
 pub fn steps(text: &str, file: &str) -> Result<Vec<Step>, ViewError> {
     let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
     lines
@@ -93,7 +93,7 @@ fn step(line: &str) -> Result<Step, String> {
     .ok_or_else(wanted)
 }
 
-/// Lines of a single word.
+/// Parses lines of a single word.
 fn plain(word: &str) -> Option<Step> {
     Some(match word {
         "minimise" => Step::Window(WindowStep::Minimise),
@@ -116,7 +116,7 @@ fn plain(word: &str) -> Option<Step> {
     })
 }
 
-/// Lines that end in the name of a file, which may have spaces if nothing follows.
+/// Parses lines that end in the name of a file, which may have spaces if nothing follows.
 fn file_step(word: &str, rest: &str) -> Option<Step> {
     let path = || PathBuf::from(rest);
     Some(Step::Do(match (word, rest) {
@@ -141,7 +141,7 @@ fn file_step(word: &str, rest: &str) -> Option<Step> {
     }))
 }
 
-/// All other lines.
+/// Parses all other lines.
 fn parameters(word: &str, words: &[&str]) -> Option<Step> {
     let command = match (word, words) {
         ("wait", ["export"]) => return Some(Step::WaitForExport),
@@ -218,12 +218,12 @@ fn split(line: &str) -> (&str, &str) {
     (word, rest.trim())
 }
 
-/// No words such as `nan`.
+/// Parses a number written in digits, not in words such as `nan`.
 fn number<T: FromStr>(text: &str) -> Option<T> {
     text.starts_with(|first: char| first.is_ascii_digit() || first == '-' || first == '.').then(|| text.parse().ok())?
 }
 
-/// Pixels across and down.
+/// Parses `WxH`, a width and a height in pixels, each 1 to 65536.
 fn size(text: &str) -> Option<[u32; 2]> {
     pair(text, 'x').filter(|size| size.iter().all(|side| (1..=65536).contains(side)))
 }
@@ -245,7 +245,7 @@ fn span(words: &[&str]) -> Option<Span> {
     }
 }
 
-/// `Ctrl+Shift+Z`: what is held, and what is pressed with it.
+/// Splits a chord such as `Ctrl+Shift+Z` into the modifiers held and the key or button pressed with them.
 fn chord(text: &str) -> Option<(Modifiers, &str)> {
     let mut modifiers = Modifiers::NONE;
     let mut parts = text.split('+').collect::<Vec<_>>();

@@ -17,7 +17,7 @@ fn tracer(size: [u32; 2]) -> Tracer {
     Tracer::new(device, &scene(), size).expect("the scene loads")
 }
 
-/// Frames until each pixel of the whole picture has a sample.
+/// Traces frames until each pixel of the whole picture has a sample.
 fn settle(tracer: &mut Tracer) {
     for _ in 0..10_000 {
         tracer.trace(0.01).expect("it traces");

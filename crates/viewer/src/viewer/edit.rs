@@ -88,8 +88,8 @@ impl Viewer {
         Ok(())
     }
 
-    /// Lets `change` edit the document, which says whether it did, and shows the result. What cannot be shown is taken
-    /// back.
+    /// Lets `change` edit the document, which says whether it did, and shows the result. An edit that cannot be shown
+    /// is taken back.
     pub(super) fn change(
         &mut self,
         change: impl FnOnce(&mut Document) -> Result<bool, EditError>,
@@ -99,7 +99,7 @@ impl Viewer {
             return Ok(());
         }
         let scene = self.document.scene();
-        // It moves only if the scene's own camera did.
+        // The camera moves only if the scene's own did.
         if scene.camera != camera {
             self.pilot.jump(scene.camera.clone());
         }
@@ -119,7 +119,7 @@ impl Viewer {
     }
 }
 
-/// For the first shape of a scene that has nothing to make it of.
+/// Material for the first shape of a scene that has none.
 fn clay() -> Material {
     Material { name: "clay".into(), ..Material::default() }
 }

@@ -74,7 +74,8 @@ impl Viewer {
         }
     }
 
-    /// Writes changes that are not saved beside the scene's file; where, if there were any and they could be written.
+    /// Writes changes that are not saved to a file beside the scene's; returns its path if there were any and they
+    /// could be written.
     pub(crate) fn rescue(&self) -> Option<PathBuf> {
         let path = self.document.path().with_extension("recovered.toml");
         let written =
@@ -82,7 +83,7 @@ impl Viewer {
         written.then_some(path)
     }
 
-    /// A scene to show, or a picture to compare with.
+    /// Opens a scene to show, or a picture to compare with.
     pub(super) fn open(&mut self, path: &Path) -> Result<(), ViewError> {
         let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
         if ending == "exr" || ending == "png" {
@@ -110,7 +111,7 @@ impl Viewer {
         Ok(())
     }
 
-    /// A picture to compare with, or none.
+    /// Compares with the picture in this file, or with none.
     pub(super) fn compare_with(&mut self, path: Option<PathBuf>) -> Result<(), ViewError> {
         let image = path.as_deref().map(Image::load).transpose()?;
         let comparison = match self.settings.look.comparison {
@@ -160,9 +161,9 @@ impl Viewer {
         }
     }
 
-    /// Notices when the scene's file changes, or one that it names.
+    /// Watches the scene's file, and those that it names, for changes.
     pub(super) fn watch_scene(&mut self) {
-        // What a link leads to is what changes; a scene made for a model has no file yet.
+        // The target of a link is what changes; a scene made for a model has no file yet.
         let scene = self.document.path().canonicalize().ok();
         let mut files: Vec<PathBuf> = self.document.assets().files().map(PathBuf::from).chain(scene).collect();
         files.sort();

@@ -14,7 +14,7 @@ use crate::export::Export;
 use crate::look::Look;
 use crate::tracer::Tracer;
 
-/// After so long without input nobody waits for an answer.
+/// Time without input after which nobody waits for an answer.
 const UNTOUCHED: Duration = Duration::from_millis(300);
 
 impl Viewer {
@@ -23,7 +23,8 @@ impl Viewer {
         self.tracer.set_view(look.view)
     }
 
-    /// Adds samples for as long as the frame has time: to what is seen until there is a picture, then to what is exported.
+    /// Adds samples for as long as the frame has time: to the film until there is a whole picture, then to an export if
+    /// there is one.
     pub(crate) fn sample(&mut self) -> Result<(), ViewError> {
         let pace = match () {
             () if self.tracer.is_coarse() => Pace::Fluent,
@@ -44,7 +45,7 @@ impl Viewer {
         outcome
     }
 
-    /// The denoiser's guides come before more samples, also where no more are taken.
+    /// Spends the `budget`, in seconds, on the denoiser's guides before more samples, also where no more are taken.
     fn trace(&mut self, whole: bool, budget: f64) -> Result<(), ViewError> {
         if whole {
             let prepared = self.denoise(|denoising, tracer| denoising.prepare(tracer, budget))?;
@@ -55,7 +56,7 @@ impl Viewer {
         self.tracer.trace(budget)
     }
 
-    /// Does something for the denoiser, if there is one; it ends where that fails.
+    /// Does something for the denoiser, if there is one; denoising ends where that fails.
     fn denoise<T>(
         &mut self,
         what: impl FnOnce(&mut Denoising, &mut Tracer) -> Result<T, ViewError>,
@@ -68,7 +69,7 @@ impl Viewer {
         })
     }
 
-    /// An export that fails is over.
+    /// Spends the `budget`, in seconds, on an export; one that fails is over.
     fn advance_export(&mut self, mut export: Export, budget: f64) -> Result<(), ViewError> {
         if export.advance(budget)? {
             self.notices.done(format!("wrote {}", export.path().display()));
@@ -78,7 +79,7 @@ impl Viewer {
         Ok(())
     }
 
-    /// The picture, if it has changed.
+    /// Pixels and size of the picture, if it has changed.
     pub(crate) fn picture(&mut self) -> Result<Option<(Pixels, [u32; 2])>, ViewError> {
         match self.denoised()? {
             Some(Denoised::Changed(pixels, size)) => Ok(Some((pixels, size))),
@@ -87,7 +88,7 @@ impl Viewer {
         }
     }
 
-    /// The picture without its noise, if it is wanted and there is one. Comparisons are with what has been computed.
+    /// The picture without its noise, if it is wanted and there is one. Comparisons are with the picture as computed.
     fn denoised(&mut self) -> Result<Option<Denoised>, ViewError> {
         self.denoise(|denoising, tracer| denoising.follow(tracer))?;
         let Some(denoising) = &mut self.denoising else { return Ok(None) };
@@ -96,8 +97,8 @@ impl Viewer {
         Ok(shown.then(|| denoising.picture(look.of_files())).flatten())
     }
 
-    /// Reads what is under a point of the picture (0 to 1 from the top left), and a row of the film for the statistics; as
-    /// long as there is a panel to show them.
+    /// Reads the pixel and the surface under a point of the picture (0 to 1 from the top left), and a row of the film
+    /// for the statistics, as long as there is a panel to show them.
     pub(crate) fn read(&mut self, cursor: Option<[f32; 2]>) -> Result<(), ViewError> {
         self.reading = None;
         if !self.settings.panels {
@@ -133,7 +134,7 @@ impl Viewer {
         Ok(())
     }
 
-    /// In the current folder, after the scene, with the first free number.
+    /// Path in the current folder, named after the scene, with the first free number.
     pub(super) fn screenshot_name(&self) -> PathBuf {
         let stem = self.document.path().file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let name = |number| PathBuf::from(format!("{stem}-window-{number}.png"));

@@ -15,7 +15,7 @@ use std::path::Path;
 use raggio_scene::{Geometry, Scene};
 use raggio_viewer::document::Document;
 
-/// Tables under headers, comments everywhere, odd spaces.
+/// A scene in tables under headers, with comments everywhere and odd spaces.
 const HEADERS: &str = r#"# A scene.
 version = 1
 
@@ -40,7 +40,7 @@ plane = { point = [0, 0, 0], normal = [0, 2, 0] }
 # The end.
 "#;
 
-/// The same in inline tables.
+/// The scene in inline tables.
 const INLINE: &str = r#"version = 1
 camera = { position = [0, 1.50, 4], look_at = [0, 1, 0], vertical_fov_degrees = 40 }
 materials = { red = { color = [0.8, 0.1, 0.1] }, "matt white" = {} }
@@ -51,7 +51,7 @@ shapes = [
 ]
 "#;
 
-/// The same in dotted keys.
+/// The scene in dotted keys.
 const DOTTED: &str = r#"version = 1
 camera.position = [0, 1.50, 4]
 camera.look_at = [0, 1, 0]
@@ -75,7 +75,7 @@ fn document(text: &str) -> Document {
     Document::from_text(text, Path::new("it.toml")).unwrap()
 }
 
-/// What must hold after whatever was done.
+/// Asserts that the document's scene is that of its text, as it must be after every edit.
 fn check(document: &Document) {
     let name = raggio_scene::display_name(document.path());
     assert_eq!(document.scene(), &Scene::parse(document.text(), &name).unwrap(), "{}", document.text());

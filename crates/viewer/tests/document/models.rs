@@ -37,7 +37,7 @@ fn placement(it: &Document) -> Placement {
     it.scene().entries[0].placement.clone().unwrap()
 }
 
-/// Where the corner (0, 2, 0) of the model is.
+/// Position of the model's corner (0, 2, 0) in the scene.
 fn corner(it: &Document) -> Vec3 {
     let Geometry::Mesh { mesh, world_from_mesh, .. } = &it.scene().shapes[0].geometry else { panic!("a mesh") };
     world_from_mesh.transform_point3(Vec3::from(mesh.positions[2]).as_dvec3()).as_vec3()
@@ -120,7 +120,7 @@ fn a_model_is_opened_as_a_scene_beside_it() {
     assert!(it.is_modified());
     it.save().unwrap();
     assert_eq!(Document::open(&scene).unwrap().scene(), it.scene());
-    // What is there is not written over.
+    // A file that is there is not written over.
     assert_eq!(Document::open(&model).unwrap().path(), folder.path().join("it_2.toml"));
 }
 
@@ -134,7 +134,7 @@ fn a_model_that_changes_is_read_again() {
     assert!(it.reload().unwrap() && !it.assets_changed());
     assert_eq!((corner(&it), it.text(), it.can_undo()), (Vec3::Y * 2.75, SCENE, None));
 
-    // One that is being written is no reason to forget what it was, nor to miss what it becomes.
+    // A model that is being written is no reason to forget what it was, nor to miss what it becomes.
     fs::write(&model, "f 1 2 3\n").unwrap();
     assert!(it.reload().is_err());
     assert_eq!(corner(&it), Vec3::Y * 2.75);

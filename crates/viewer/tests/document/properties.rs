@@ -1,4 +1,4 @@
-//! Whatever is done, the text says what the scene is, and undoing all of it gives the first text back.
+//! Properties of random edits: the text says what the scene is, and undoing all of them gives the first text back.
 
 use proptest::prelude::*;
 use raggio_scene::{Environment, Geometry, Reflection, Shape, Vec3};
@@ -23,7 +23,7 @@ enum Act {
     Redo,
 }
 
-/// Some of them out of range.
+/// Vectors, some of them out of range.
 fn vector(range: std::ops::Range<f32>) -> impl Strategy<Value = Vec3> {
     let number = prop_oneof![range, Just(0.0), Just(1.0), Just(0.1)];
     prop::array::uniform3(number).prop_map(Vec3::from)
@@ -62,7 +62,7 @@ fn act() -> impl Strategy<Value = Act> {
     ]
 }
 
-/// Refused or not.
+/// Performs an act; false when it was refused.
 fn perform(it: &mut Document, act: &Act) -> bool {
     let scene = it.scene().clone();
     match act.clone() {
@@ -120,7 +120,7 @@ fn perform(it: &mut Document, act: &Act) -> bool {
     }
 }
 
-/// Normals are made unit vectors when they are read.
+/// Whether a geometry was read as it was written; normals are made unit vectors when they are read.
 fn is_like(read: &Geometry, written: &Geometry) -> bool {
     match (read, written) {
         (Geometry::Plane { point, normal }, Geometry::Plane { point: p, normal: n }) => {
@@ -139,7 +139,7 @@ proptest! {
         for act in &acts {
             let before = it.text().to_string();
             let done = perform(&mut it, act);
-            // What was not done changed nothing.
+            // An act that was refused changed nothing.
             prop_assert!(done || it.text() == before, "{act:?}\n{before}\n-- became --\n{}", it.text());
             check(&it);
         }

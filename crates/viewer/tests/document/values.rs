@@ -1,4 +1,4 @@
-//! How numbers are written, and what is refused.
+//! Notation of numbers, and values that are refused.
 
 use raggio_viewer::document::EditError;
 

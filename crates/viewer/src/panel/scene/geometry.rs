@@ -1,4 +1,4 @@
-//! Where a shape is, and how large.
+//! Editor of a shape's place and size.
 
 use egui::Ui;
 use raggio_scene::{Geometry, Placement, Scene, Vec3};
@@ -44,7 +44,7 @@ pub fn show(ui: &mut Ui, scene: &Scene, index: usize, commands: &mut Vec<Command
             }
             row(ui, "rotation", |ui| vector(ui, rotation_degrees, 0.5));
         }
-        // It has a placement.
+        // A mesh has a placement instead.
         Geometry::Mesh { .. } => {}
     });
     if geometry != shape.geometry {
@@ -52,7 +52,7 @@ pub fn show(ui: &mut Ui, scene: &Scene, index: usize, commands: &mut Vec<Command
     }
 }
 
-/// Where a model stands.
+/// Draws the editor of a model's placement.
 fn placement(ui: &mut Ui, old: &Placement, index: usize, material: Option<usize>, commands: &mut Vec<Command>) {
     let mut new = old.clone();
     table(ui, "placement", |ui| {
@@ -67,7 +67,7 @@ fn placement(ui: &mut Ui, old: &Placement, index: usize, material: Option<usize>
     }
 }
 
-/// One number for all axes, and one for each; none becomes 0.
+/// Draws the scale: one number for all axes, and one for each; none becomes 0.
 fn scale(ui: &mut Ui, scale: &mut Vec3) {
     let old = *scale;
     let speed = step(old.abs().max_element());
@@ -83,7 +83,7 @@ fn scale(ui: &mut Ui, scale: &mut Vec3) {
     }
 }
 
-/// `edge` turned to a right angle with `other`, its length kept; as it is where that cannot be.
+/// `edge` turned to a right angle with `other`, its length kept; unchanged where that cannot be.
 fn perpendicular(edge: Vec3, other: Vec3) -> Vec3 {
     let (edge_64, other) = (edge.as_dvec3(), other.as_dvec3());
     let rest = edge_64 - other * (edge_64.dot(other) / other.length_squared());

@@ -1,4 +1,4 @@
-//! What a shape is made of.
+//! Editor of a shape's material.
 
 use egui::{ComboBox, DragValue, Slider, SliderClamping, Ui};
 use raggio_scene::{Geometry, Material, Principled, Reflection, Scene, Texture};
@@ -6,10 +6,10 @@ use raggio_scene::{Geometry, Material, Principled, Reflection, Scene, Texture};
 use crate::command::{Command, Edit};
 use crate::panel::controls::{color, number, row, table};
 
-/// What a new dielectric is made of.
+/// Refractive index of a new dielectric, that of glass.
 const GLASS: f32 = 1.5;
 
-/// The material of a shape: which, and what it is like.
+/// Draws the editor of a shape's material: the choice of it, and its properties.
 pub fn show(ui: &mut Ui, scene: &Scene, shape: usize, commands: &mut Vec<Command>) {
     let current = scene.entries[shape].material;
     let mut chosen = current;
@@ -40,7 +40,7 @@ pub fn show(ui: &mut Ui, scene: &Scene, shape: usize, commands: &mut Vec<Command
 
 const ITS_OWN: &str = "its own";
 
-/// Those of the scene's file; a model may have its own instead.
+/// Draws the choice of a material of the scene's file; a model may have its own instead.
 fn choice(ui: &mut Ui, scene: &Scene, is_model: bool, chosen: &mut Option<usize>) {
     let name = chosen.map_or(ITS_OWN, |index| &scene.materials[index].name);
     ComboBox::from_id_salt("material").selected_text(name).show_ui(ui, |ui| {
@@ -64,7 +64,7 @@ fn painted(scene: &Scene, shape: usize, material: Option<usize>) -> Option<Edit>
     }
 }
 
-/// They come with the file, and are changed there.
+/// Draws a model's own materials, which come with its file, and are changed there.
 fn own_materials(ui: &mut Ui, scene: &Scene, shape: usize) {
     let firsts = scene.shapes_of(shape).iter().filter_map(|shape| match &shape.geometry {
         Geometry::Mesh { mesh, first_material: Some(first), .. } => Some((mesh, *first)),
@@ -86,10 +86,10 @@ fn own_materials(ui: &mut Ui, scene: &Scene, shape: usize) {
     }
 }
 
-/// A longer list would help nobody.
+/// Most materials that are listed; a longer list would help nobody.
 const MOST_LISTED: usize = 32;
 
-/// What is seen of a material that cannot be changed here.
+/// Draws the properties of a material that cannot be changed here.
 fn summary(ui: &mut Ui, id: &str, surface: &Principled) {
     table(ui, id, |ui| {
         let mut line = |name: &str, value: String| row(ui, name, |ui| ui.label(value));

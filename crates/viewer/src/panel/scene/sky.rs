@@ -24,7 +24,7 @@ pub fn show(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) {
         if ui.selectable_label(gradient, "gradient").clicked() && !gradient {
             environment = Environment::Gradient { horizon, zenith: horizon * Vec3::new(0.5, 0.7, 1.0) };
         }
-        // Which image is for the file to say.
+        // The file alone can say which image it is.
         if matches!(environment, Environment::Image { .. }) {
             let _ = ui.selectable_label(true, "image");
         }
