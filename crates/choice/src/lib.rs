@@ -4,6 +4,7 @@
 //! menus, scripts and metadata ask for them there.
 
 use std::fmt;
+use std::path::Path;
 use std::str::FromStr;
 
 /// A choice among a few, each of which has a name that users write.
@@ -54,6 +55,17 @@ pub fn listed(words: &[&str]) -> String {
 pub fn named<T: Choice>(name: &str) -> Result<T, UnknownName> {
     let found = T::ALL.iter().copied().find(|choice| choice.name().eq_ignore_ascii_case(name));
     found.ok_or(UnknownName { kind: T::KIND, known: T::NAMES })
+}
+
+/// Format of a file, told by the ending of its name, in upper or lower case: formats are called as their files end.
+pub fn format_of<T: Choice>(path: &Path) -> Option<T> {
+    named(path.extension()?.to_str()?).ok()
+}
+
+/// Endings of files of a choice of formats, as a sentence has them: `.png or .exr`.
+pub fn endings<T: Choice>() -> String {
+    let endings: Vec<String> = T::NAMES.iter().map(|name| format!(".{name}")).collect();
+    listed(&endings.iter().map(String::as_str).collect::<Vec<_>>())
 }
 
 /// Makes an enumeration a [`Choice`], with [`FromStr`] and [`Display`](fmt::Display) by its names. Variants are given as
@@ -139,6 +151,13 @@ mod tests {
             assert_eq!(bend.name().parse(), Ok(*bend));
             assert_eq!(bend.name().to_uppercase().parse(), Ok(*bend));
         }
+    }
+
+    #[test]
+    fn formats_are_told_by_endings() {
+        assert_eq!(format_of(Path::new("a.b/c.LEFT")), Some(Bend::Left));
+        assert_eq!(format_of::<Bend>(Path::new("left")), None);
+        assert_eq!(endings::<Bend>(), ".left or .straight-on");
     }
 
     #[test]

@@ -1,9 +1,10 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
-use raggio_render::{Aov, CpuOptions, DeviceChoice, OpenOptions, ToneMapper};
-use raggio_scene::{AssetOptions, Filter, Sampler};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Args, Parser, Subcommand};
+use raggio_render::{Aov, Choice, CpuOptions, DeviceChoice, OpenOptions, PictureFormat, ToneMapper, endings};
+use raggio_scene::{AssetOptions, Filter, Integrator, ModelFormat, Sampler};
 
 /// A progressive path tracer on Vulkan and the CPU.
 #[derive(Parser)]
@@ -32,7 +33,7 @@ pub enum Command {
     Devices,
     /// Read a scene and say what is wrong with it, if anything
     Check {
-        /// Scene file (.toml), or a model (.glb, .gltf, .ply, .obj, .stl)
+        #[arg(help = scene_help(""))]
         scene: PathBuf,
         #[command(flatten)]
         assets: AssetArguments,
@@ -55,25 +56,24 @@ pub enum Command {
 
 #[derive(Args)]
 pub struct RenderArguments {
-    /// Scene file (.toml), or a model (.glb, .gltf, .ply, .obj, .stl), which gets a camera, a ground and a sky
+    #[arg(help = scene_help(", which gets a camera, a ground and a sky"))]
     pub scene: PathBuf,
     #[command(flatten)]
     pub assets: AssetArguments,
-    /// Image to write, .png (tone-mapped) or .exr (linear radiance); may be given several times [default: NAME.png]
-    #[arg(short, long = "output", value_name = "FILE")]
+    #[arg(short, long = "output", value_name = "FILE", help = output_help())]
     pub output: Vec<PathBuf>,
     #[command(flatten)]
     pub machine: MachineArguments,
     #[command(flatten)]
     pub overrides: Overrides,
     /// How light is followed
-    #[arg(long, value_enum, default_value_t = Integrator::Path)]
+    #[arg(long, value_name = "NAME", value_parser = one_of::<Integrator>(), default_value_t = Integrator::Path)]
     pub integrator: Integrator,
     #[command(flatten)]
     pub stop: StopArguments,
     /// Write these layers into the EXR too, separated by commas
-    #[arg(long, value_enum, value_name = "LAYER", value_delimiter = ',')]
-    pub aov: Vec<AovName>,
+    #[arg(long, value_name = "LAYER", value_delimiter = ',', value_parser = layers())]
+    pub aov: Vec<Layers>,
     /// Write each picture without its noise too, as NAME.denoised.png or .exr (Intel Open Image Denoise)
     #[arg(long)]
     pub denoise: bool,
@@ -84,12 +84,12 @@ pub struct RenderArguments {
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
     pub exposure: f32,
     /// How PNGs squeeze radiance into what a display can show
-    #[arg(long, value_enum, default_value_t = ToneMapperName::Neutral)]
-    pub tone_mapper: ToneMapperName,
+    #[arg(long, value_name = "NAME", value_parser = one_of::<ToneMapper>(), default_value_t = ToneMapper::Neutral)]
+    pub tone_mapper: ToneMapper,
 }
 
-/// When there are samples enough. Without --samples, the scene's number does not count then.
-#[derive(Args, Clone, Copy, Default)]
+/// End of sampling before all samples are there. Without --samples, the scene's number does not count then.
+#[derive(Args)]
 pub struct StopArguments {
     /// Stop sampling after so many seconds
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
@@ -97,49 +97,6 @@ pub struct StopArguments {
     /// Sample each part of the picture until its relative error is below this, as 0.01 [at most 65536 samples per pixel, unless --samples says so]
     #[arg(long, value_name = "ERROR", value_parser = positive)]
     pub noise: Option<f32>,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum AovName {
-    /// All of them
-    All,
-    /// Colour of the first surface: albedo.R, .G, .B
-    Albedo,
-    /// Its normal in the world: normal.X, .Y, .Z
-    Normal,
-    /// Its distance along the view direction: depth.Z
-    Depth,
-    /// Where it is in the world: position.X, .Y, .Z
-    Position,
-    /// Pixels a frame: motion.X, .Y; 0, for scenes stand still
-    Motion,
-    /// Number of the shape in the pixel's middle, from 1 on: object_id.I
-    ObjectId,
-    /// Number of its material, from 1 on: material_id.I
-    MaterialId,
-    /// Number of samples: samples.N
-    Samples,
-    /// Variance of the mean luminance: variance.Y
-    Variance,
-}
-
-impl AovName {
-    /// What it stands for.
-    pub fn aovs(self) -> &'static [Aov] {
-        match self {
-            Self::All => &Aov::ALL,
-            Self::Albedo => &[Aov::Albedo],
-            Self::Normal => &[Aov::Normal],
-            Self::Depth => &[Aov::Depth],
-            Self::Position => &[Aov::Position],
-            Self::Motion => &[Aov::Motion],
-            Self::ObjectId => &[Aov::ObjectId],
-            Self::MaterialId => &[Aov::MaterialId],
-            Self::Samples => &[Aov::Samples],
-            Self::Variance => &[Aov::Variance],
-        }
-    }
 }
 
 #[derive(Args)]
@@ -156,7 +113,7 @@ pub struct DemoArguments {
 #[cfg(feature = "window")]
 #[derive(Args)]
 pub struct ViewArguments {
-    /// Scene file (.toml), or a model (.glb, .gltf, .ply, .obj, .stl), which gets a camera, a ground and a sky
+    #[arg(help = scene_help(", which gets a camera, a ground and a sky"))]
     pub scene: PathBuf,
     #[command(flatten)]
     pub assets: AssetArguments,
@@ -182,7 +139,7 @@ pub struct ViewArguments {
     pub stats: Option<PathBuf>,
 }
 
-/// How models are read.
+/// Reading of models.
 #[derive(Args)]
 pub struct AssetArguments {
     /// The moment of animations, in seconds from their beginning, in place of the scene's [default: the pose of rest]
@@ -194,7 +151,7 @@ pub struct AssetArguments {
 }
 
 impl AssetArguments {
-    /// `size` is that of the picture, if it is known.
+    /// Options for a picture of `size`, if that is known.
     pub fn options(&self, size: Option<Size>) -> AssetOptions {
         AssetOptions {
             allow_outside: self.allow_outside,
@@ -204,7 +161,7 @@ impl AssetArguments {
     }
 }
 
-/// What to render on, and how loudly.
+/// Machine to render on, and how loudly.
 #[derive(Args)]
 pub struct MachineArguments {
     /// auto, cpu, vulkan or vulkan:N (as `raggio devices` numbers them); auto is a GPU if there is one, else the CPU
@@ -219,7 +176,7 @@ pub struct MachineArguments {
 }
 
 impl MachineArguments {
-    /// `RAGGIO_VALIDATE=1` turns on the Vulkan validation layers.
+    /// Options for opening a device. `RAGGIO_VALIDATE=1` turns on the Vulkan validation layers.
     pub fn options(&self) -> OpenOptions {
         OpenOptions {
             cpu: CpuOptions { threads: self.threads.unwrap_or(0) as usize, ..CpuOptions::default() },
@@ -244,55 +201,15 @@ pub struct Overrides {
     /// Selects the random numbers: another seed is another picture of the same noise level
     #[arg(long, value_name = "N")]
     pub seed: Option<u32>,
-    /// Where the random numbers come from
-    #[arg(long, value_enum)]
-    pub sampler: Option<SamplerName>,
+    /// Source of the random numbers [default: sobol]
+    #[arg(long, value_name = "NAME", value_parser = one_of::<Sampler>())]
+    pub sampler: Option<Sampler>,
     /// Take off what any sample's largest channel has above this, which loses light and fireflies [default: nothing]
     #[arg(long, value_name = "RADIANCE", value_parser = positive)]
     pub clamp: Option<f32>,
-    /// With which weights the picture around a pixel's centre makes its value
-    #[arg(long, value_enum)]
-    pub filter: Option<FilterName>,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum FilterName {
-    /// All of the pixel's area alike [default]
-    Box,
-    /// A smooth bell 3 pixels wide: the softest
-    BlackmanHarris,
-    /// Mitchell and Netravali's, 4 pixels wide, with negative lobes: the sharpest
-    Mitchell,
-    /// The pixel's centre alone, which shows aliasing
-    Point,
-}
-
-impl From<FilterName> for Filter {
-    fn from(name: FilterName) -> Self {
-        match name {
-            FilterName::Box => Self::Box,
-            FilterName::BlackmanHarris => Self::BlackmanHarris,
-            FilterName::Mitchell => Self::Mitchell,
-            FilterName::Point => Self::Point,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum SamplerName {
-    /// Scrambled Sobol' points, which spread evenly: less noise [default]
-    Sobol,
-    /// Independent numbers
-    Pcg,
-}
-
-impl From<SamplerName> for Sampler {
-    fn from(name: SamplerName) -> Self {
-        match name {
-            SamplerName::Sobol => Self::Sobol,
-            SamplerName::Pcg => Self::Pcg,
-        }
-    }
+    /// Weights with which the picture around a pixel's centre makes its value [default: box]
+    #[arg(long, value_name = "NAME", value_parser = one_of::<Filter>())]
+    pub filter: Option<Filter>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -335,58 +252,32 @@ fn stops(text: &str) -> Result<f32, String> {
         .ok_or_else(|| "give stops between -32 and 32".into())
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Integrator {
-    /// Looks for lights at each surface
-    Path,
-    /// The naive path tracer: no light sampling, no tricks
-    Reference,
+/// Layers that a word on the command line stands for.
+pub type Layers = &'static [Aov];
+
+/// Parser of a choice's names, which help texts explain.
+fn one_of<T: Choice>() -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(T::ALL.iter().map(described)).try_map(|name| name.parse::<T>())
 }
 
-impl Integrator {
-    /// As users write it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Path => "path",
-            Self::Reference => "reference",
-        }
-    }
+/// Parser of a layer's name, or of `all`.
+fn layers() -> impl TypedValueParser<Value = Layers> {
+    let all = PossibleValue::new("all").help("All of them");
+    PossibleValuesParser::new(std::iter::once(all).chain(Aov::ALL.iter().map(described))).map(|name| {
+        let known = Aov::ALL.iter().position(|aov| aov.name() == name);
+        known.map_or(Aov::ALL, |place| &Aov::ALL[place..=place])
+    })
 }
 
-impl From<Integrator> for raggio_scene::Integrator {
-    fn from(integrator: Integrator) -> Self {
-        match integrator {
-            Integrator::Path => Self::Path,
-            Integrator::Reference => Self::Reference,
-        }
-    }
+fn described<T: Choice>(choice: &T) -> PossibleValue {
+    // Sentences of help texts have no full stop.
+    PossibleValue::new(choice.name()).help(choice.description().trim_end_matches('.'))
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum ToneMapperName {
-    /// Khronos PBR Neutral: colours stay what they are, highlights roll off
-    Neutral,
-    /// AgX, the default of Blender: bright colours fade to white as on film
-    Agx,
-    /// The film-like curve of ACES
-    Aces,
-    /// Hable's film curve of Uncharted 2
-    Filmic,
-    /// Reinhard's curve of luminance, with 4 as white
-    Reinhard,
-    /// Cut off at 1
-    None,
+fn scene_help(more: &str) -> String {
+    format!("Scene file (.toml), or a model ({}){more}", endings::<ModelFormat>())
 }
 
-impl From<ToneMapperName> for ToneMapper {
-    fn from(name: ToneMapperName) -> Self {
-        match name {
-            ToneMapperName::Neutral => Self::Neutral,
-            ToneMapperName::Agx => Self::Agx,
-            ToneMapperName::Aces => Self::Aces,
-            ToneMapperName::Filmic => Self::Filmic,
-            ToneMapperName::Reinhard => Self::Reinhard,
-            ToneMapperName::None => Self::None,
-        }
-    }
+fn output_help() -> String {
+    format!("Image to write, {}; may be given several times [default: NAME.png]", PictureFormat::listed())
 }

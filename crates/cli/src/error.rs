@@ -1,13 +1,12 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use raggio_denoise::DenoiseError;
-use raggio_render::{DeviceError, OutputError, TooLarge, TranslationError};
+use raggio_render::{DenoiseError, DeviceError, OutputError, RenderError, TooLarge};
 use raggio_scene::SceneError;
 #[cfg(feature = "window")]
 use raggio_viewer::ViewError;
 
-/// Whose fault it is decides the exit status; the text is one sentence for the user.
+/// Failure of the program. Whose fault it is decides the exit status; the text is one sentence for the user.
 #[derive(Debug)]
 pub enum Failure {
     /// The scene, the arguments or the place to write to: status 2.
@@ -45,9 +44,12 @@ impl From<OutputError> for Failure {
     }
 }
 
-impl From<TranslationError> for Failure {
-    fn from(error: TranslationError) -> Self {
-        Self::Input(error.to_string())
+impl From<RenderError> for Failure {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Device(error) => error.into(),
+            error => Self::Input(error.to_string()),
+        }
     }
 }
 
@@ -76,7 +78,7 @@ impl From<ViewError> for Failure {
     }
 }
 
-/// A file that was asked for.
+/// Failure to write a file that was asked for.
 pub fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {
     Failure::Input(format!("cannot write {}: {error}", path.display()))
 }

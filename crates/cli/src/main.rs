@@ -1,7 +1,6 @@
 //! The program `raggio`: scene files in, pictures out.
 
 mod args;
-mod denoise;
 mod error;
 mod listing;
 mod manual;

@@ -1,4 +1,4 @@
-//! What the program says. Whoever has stopped reading, such as `head`, has had enough: that is no reason to stop.
+//! Lines that the program says. Whoever has stopped reading, such as `head`, has had enough: that is no reason to stop.
 
 use std::fmt::Display;
 use std::io::Write;

@@ -2,9 +2,12 @@ use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use raggio_render::Progress;
+use raggio_render::{Film, Progress};
 
 use crate::output::say;
+
+/// Number of samples that stands for no limit.
+pub const UNLIMITED: u32 = i32::MAX as u32;
 
 /// Tells the user how a render goes: a bar on a terminal, now and then a line elsewhere, nothing when quiet.
 pub enum Reporter {
@@ -60,11 +63,36 @@ impl Reporter {
             bar.finish_and_clear();
         }
     }
+
+    /// Figures of a render that is over; `target` samples a pixel were asked for.
+    pub fn report(&self, film: &Film, progress: &Progress, target: u32) {
+        if film.clamped_share() > 0.0 {
+            self.say(&format!("clamping took {:.2} % of the light off", 100.0 * film.clamped_share()));
+        }
+        let (fewest, most) = film.sample_range();
+        if most > fewest + 1 {
+            let mean = film.samples() as f64 / film.pixels().len() as f64;
+            self.say(&format!("{fewest} to {most} samples per pixel, {mean:.1} on average"));
+        } else if progress.samples < target {
+            let is_limited = target < UNLIMITED;
+            let of = if is_limited { format!("stopped early: {fewest} of {target}") } else { fewest.to_string() };
+            self.say(&format!("{of} samples per pixel"));
+        }
+        let seconds = progress.seconds.max(1e-9);
+        self.say(&format!(
+            "{} samples, {} rays in {}: {} samples/s, {} rays/s",
+            millions(progress.total_samples as f64),
+            millions(film.rays() as f64),
+            duration(progress.seconds),
+            millions(progress.total_samples as f64 / seconds),
+            millions(film.rays() as f64 / seconds),
+        ));
+    }
 }
 
 fn describe(progress: &Progress, target: u32) -> String {
     let rate = progress.total_samples as f64 / progress.seconds.max(1e-9);
-    if target == i32::MAX as u32 {
+    if target == UNLIMITED {
         return format!("{} samples  {} samples/s", progress.samples, millions(rate));
     }
     let left = progress.seconds * (1.0 - progress.fraction) / progress.fraction.max(1e-9);
@@ -72,7 +100,7 @@ fn describe(progress: &Progress, target: u32) -> String {
 }
 
 /// `12.3 M`.
-pub fn millions(count: f64) -> String {
+fn millions(count: f64) -> String {
     let count = count / 1e6;
     let digits = if count < 10.0 {
         2
@@ -85,7 +113,7 @@ pub fn millions(count: f64) -> String {
 }
 
 /// `8.4 s`, `3 min 20 s`, `2 h 5 min`.
-pub fn duration(seconds: f64) -> String {
+fn duration(seconds: f64) -> String {
     let whole = seconds.round().min(1e9) as u64;
     match whole {
         0..60 => format!("{seconds:.1} s"),

@@ -2,6 +2,7 @@
 //!
 //! Everything that runs per ray is written in Slang, in `kernels/`; this crate's build script compiles it.
 
+mod choices;
 pub mod compile;
 pub mod cpu;
 mod film;

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use raggio_choice::{choice, endings, format_of};
+
 use crate::error::{Fault, ModelError};
 use crate::file::{LoadOptions, path_near, read};
 use crate::gltf::{GltfOptions, load_gltf};
@@ -17,26 +19,31 @@ const MOST_LIBRARY_BYTES: u64 = 16 << 20;
 /// Most libraries that are opened.
 const MOST_LIBRARIES: usize = 64;
 
-/// A format of mesh files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// Polygon File Format, ascii or binary.
-    Ply,
-    /// Stereolithography, ascii or binary.
-    Stl,
-    /// Wavefront OBJ.
-    Obj,
+choice! {
+    /// Format of a model's file, told by its ending.
+    pub enum Format: "model format" {
+        /// glTF 2.0, text with its binary files beside it.
+        Gltf = "gltf",
+        /// glTF 2.0 in one binary file.
+        Glb = "glb",
+        /// Polygon File Format, ascii or binary.
+        Ply = "ply",
+        /// Wavefront OBJ, with its material libraries beside it.
+        Obj = "obj",
+        /// Stereolithography, ascii or binary.
+        Stl = "stl",
+    }
 }
 
 impl Format {
-    /// Format that the extension tells, in upper or lower case.
+    /// Format that the ending tells, in upper or lower case; `None` where it tells none.
     pub fn of_path(path: &Path) -> Option<Self> {
-        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
-            "ply" => Some(Self::Ply),
-            "stl" => Some(Self::Stl),
-            "obj" => Some(Self::Obj),
-            _ => None,
-        }
+        format_of(path)
+    }
+
+    /// Whether files of the format can have animations; others are equal at every time.
+    pub fn is_animated(self) -> bool {
+        matches!(self, Self::Gltf | Self::Glb)
     }
 }
 
@@ -45,18 +52,21 @@ impl Format {
 /// # Errors
 /// When the file cannot be read, is too large, or is not a valid model.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Model, ModelError> {
-    if is_gltf(path) {
-        return load_gltf(path, &GltfOptions::from(*options));
-    }
     let name = escaped(&path.display().to_string());
     let fault = |message: String| Fault::whole(message).of(&name);
     let format = Format::of_path(path);
-    let format = format.ok_or_else(|| fault("is not a model: give a .gltf, .glb, .ply, .stl or .obj".to_string()))?;
+    let parse: fn(&[u8], &str) -> Result<MeshFile, ModelError> = match format {
+        Some(Format::Gltf | Format::Glb) => return load_gltf(path, &GltfOptions::from(*options)),
+        Some(Format::Ply) => parse_ply,
+        Some(Format::Obj) => parse_obj,
+        Some(Format::Stl) => parse_stl,
+        None => return Err(fault(format!("is not a model: give a {} file", endings::<Format>()))),
+    };
     let bytes = read(path, options.most_bytes).map_err(fault)?;
-    let mut file = parse(format, &bytes, &name)?;
+    let mut file = parse(&bytes, &name)?;
     drop(bytes);
     let folder = path.parent().unwrap_or(Path::new(""));
-    if format == Format::Obj {
+    if format == Some(Format::Obj) {
         load_libraries(&mut file, folder, options);
     }
     let mut textures = Textures::new(folder, options);
@@ -64,23 +74,6 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Model, ModelError> {
     file.warnings.extend(textures.into_warnings());
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     Ok(file.into_model(&stem, materials))
-}
-
-/// Whether the extension, in upper or lower case, is glTF's.
-fn is_gltf(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| ["gltf", "glb"].iter().any(|name| extension.eq_ignore_ascii_case(name)))
-}
-
-/// Reads the bytes of a mesh file; `name` stands for the file in messages.
-///
-/// # Errors
-/// When the bytes are not a valid mesh.
-pub fn parse(format: Format, bytes: &[u8], name: &str) -> Result<MeshFile, ModelError> {
-    match format {
-        Format::Ply => parse_ply(bytes, name),
-        Format::Stl => parse_stl(bytes, name),
-        Format::Obj => parse_obj(bytes, name),
-    }
 }
 
 fn load_libraries(model: &mut MeshFile, folder: &Path, options: &LoadOptions) {

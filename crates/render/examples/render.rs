@@ -1,9 +1,10 @@
 //! From a scene file to a picture: `cargo run --release -p raggio-render --example render -- scene.toml picture.png`.
 
 use std::error::Error;
+use std::ops::ControlFlow;
 use std::path::Path;
 
-use raggio_render::{DeviceChoice, DeviceScene, Display, ImageFile, OpenOptions, Renderer, open};
+use raggio_render::{DeviceChoice, Display, ImageFile, OpenOptions, Progress, RenderRequest, Rendering, open};
 use raggio_scene::Scene;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -11,15 +12,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [_, scene, picture] = &arguments[..] else { return Err("give a scene and a picture to write".into()) };
 
     let scene = Scene::load(Path::new(scene))?;
+    let file = ImageFile::new(Path::new(picture))?;
     let device = open(DeviceChoice::Auto, OpenOptions::default(), |warning| eprintln!("warning: {warning}"))?;
-    let device_scene = DeviceScene::new(&scene)?;
-    let session = device.load(&device_scene)?;
 
-    let mut renderer = Renderer::new(session, &device_scene, 0..scene.render.samples);
-    while !renderer.finished() {
-        let progress = renderer.advance()?;
+    let rendered = Rendering::begin(&scene, &*device, RenderRequest::default())?.run(&mut |progress: &Progress| {
         eprint!("\r{:3.0} %", 100.0 * progress.fraction);
-    }
-    ImageFile::new(Path::new(picture))?.write(&renderer.film()?, Display::default())?;
+        ControlFlow::Continue(())
+    })?;
+    rendered.picture.write(&file, Display::default())?;
     Ok(())
 }

@@ -3,10 +3,14 @@
 //! `Scene -> DeviceScene -> kernels -> Film -> file`: [`DeviceScene`] is the scene as flat buffers, a [`Device`] makes it
 //! resident and adds samples to a [`Film`], [`Renderer`] does so in portions that leave the machine usable, and
 //! [`ImageFile`] writes the result. Nothing above [`Device`] knows whether it is a CPU or a GPU.
+//!
+//! Who wants a picture fills in a [`RenderRequest`]; a [`Rendering`] goes all of that way and tells an [`Observer`].
 
 mod devices;
 mod pictures;
 mod renderer;
+mod rendering;
+mod request;
 mod translation;
 
 pub use devices::adaptive::Blocks;
@@ -15,19 +19,25 @@ pub use devices::cpu::{CpuDevice, CpuOptions};
 pub use devices::device::{Answer, Device, DeviceError, DeviceInfo, Question, Session};
 pub use devices::machine::{TooLarge, check_memory, memory_bytes, peak_memory_bytes, total_memory_bytes};
 pub use devices::vulkan::VulkanDevice;
-pub use pictures::aov::{Aov, Channel, Features};
+pub use pictures::aov::{Aov, Channel, Features, Values};
 pub use pictures::display::{Display, Pixels, show_image};
-pub use pictures::film::{Film, SizeMismatch, film_bytes};
+pub use pictures::film::{Film, FilmError, Label, MergeError, Portion, film_bytes};
+pub use pictures::format::PictureFormat;
 pub use pictures::image_file::{Extras, ImageFile, OutputError, check_writable, write_png, write_whole};
 pub use pictures::image_input::InputError;
 pub use pictures::linear_image::Image;
 pub use pictures::metadata::Metadata;
+pub use pictures::picture::Picture;
+pub use raggio_choice::{Choice, UnknownName, endings, listed};
+pub use raggio_denoise::{DenoiseError, Denoiser};
 pub use raggio_kernels::compile::FOLDER as KERNELS_FOLDER;
 pub use raggio_kernels::cpu::InstructionSet;
 pub use raggio_kernels::{
     Comparison, Feature, FilmPixel, MAX_NESTED_MEDIA, Probe, SamplerKind, Sequence, ShapeKind, Spirv, ToneMapper, View,
 };
 pub use renderer::{Progress, Renderer};
+pub use rendering::{RenderError, Rendered, Rendering};
+pub use request::{Observer, RenderRequest, Stop};
 pub use translation::bounds::bounds;
 pub use translation::device_scene::DeviceScene;
 pub use translation::error::TranslationError;

@@ -3,7 +3,9 @@
 pub mod aov;
 pub mod display;
 pub mod film;
+pub mod format;
 pub mod image_file;
 pub mod image_input;
 pub mod linear_image;
 pub mod metadata;
+pub mod picture;

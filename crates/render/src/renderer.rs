@@ -1,14 +1,16 @@
 //! Renders in portions.
 
 use std::ops::Range;
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-use raggio_kernels::Feature;
+use raggio_kernels::{Feature, SceneBuffers};
+use raggio_scene::RenderSettings;
 
 use crate::devices::adaptive::{Blocks, next_judgement};
 use crate::devices::device::{DeviceError, Session};
 use crate::devices::films::Films;
-use crate::pictures::film::Film;
+use crate::pictures::film::{Film, Label, Portion};
 use crate::translation::device_scene::DeviceScene;
 
 /// Adds samples to the film that a session shows, a portion at a time: each as long as the device has patience for.
@@ -24,6 +26,14 @@ pub struct Renderer {
     samples_per_pass: Option<u32>,
     courses: Films<Course>,
     adaptive: Option<Adaptive>,
+    identity: Identity,
+}
+
+/// What a film's label says of its scene. Hashing a large scene takes a while, and not all films need a label.
+struct Identity {
+    buffers: SceneBuffers,
+    settings: RenderSettings,
+    hash: OnceLock<[u8; 32]>,
 }
 
 /// Sampling until the error is small enough, for the film of radiance.
@@ -73,7 +83,16 @@ impl Renderer {
     pub fn new(session: Box<dyn Session>, scene: &DeviceScene, samples: Range<u32>) -> Self {
         let (width, height) = (scene.work.width, scene.work.height);
         let course = Course::new(height, samples.start, 2e5);
-        Self { session, width, height, samples, samples_per_pass: None, courses: Films::new(course), adaptive: None }
+        Self {
+            session,
+            width,
+            height,
+            samples,
+            samples_per_pass: None,
+            courses: Films::new(course),
+            adaptive: None,
+            identity: Identity::new(scene),
+        }
     }
 
     /// Gives pixels no more samples than bring the relative standard error of their block's luminance below `noise`:
@@ -136,6 +155,7 @@ impl Renderer {
     pub fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
         self.session.restart(scene)?;
         (self.width, self.height) = (scene.work.width, scene.work.height);
+        self.identity = Identity::new(scene);
         if let Some(noise) = self.adaptive.as_ref().map(|adaptive| adaptive.noise) {
             self.set_noise(noise);
             self.session.rest(None)?;
@@ -144,6 +164,11 @@ impl Renderer {
             *course = Course::new(self.height, self.samples.start, course.lasting_rate());
         }
         Ok(())
+    }
+
+    /// Numbers of the samples that each pixel is to have at most.
+    pub fn samples(&self) -> Range<u32> {
+        self.samples.clone()
     }
 
     /// Number of samples that each pixel is to have at most.
@@ -271,10 +296,76 @@ impl Renderer {
         self.adaptive().map_or(all, |adaptive| adaptive.active) as f64
     }
 
-    /// The film that is shown, as it is now.
+    /// The film that is shown, as it is now, without a label.
     pub fn film(&self) -> Result<Film, DeviceError> {
         self.session.film()
     }
+
+    /// The film of radiance as it is now, with its label: it can be written to a file, and merged with films of other
+    /// samples. The first time the scene is hashed, which takes a second for each few gigabytes.
+    pub fn labelled_film(&mut self) -> Result<Film, DeviceError> {
+        let shown = self.feature();
+        self.show(Feature::Radiance)?;
+        let film = self.session.film();
+        let label = self.label();
+        self.show(shown)?;
+        Ok(film?.with_label(label))
+    }
+
+    fn label(&self) -> Label {
+        let Course { pass, row, .. } = self.courses.shown();
+        let whole = Portion { samples: self.samples.start..pass.start, rows: 0..self.height };
+        let unfinished = Portion { samples: pass.clone(), rows: 0..*row };
+        let noise = self.adaptive.as_ref().map(|adaptive| adaptive.noise);
+        Label::new(self.identity.hash(), settings(&self.identity.settings, noise), vec![whole, unfinished])
+    }
+}
+
+impl Identity {
+    fn new(scene: &DeviceScene) -> Self {
+        Self { buffers: scene.buffers.clone(), settings: scene.settings.clone(), hash: OnceLock::new() }
+    }
+
+    /// Hash of all that kernels read of the scene. The filter's table is a setting.
+    fn hash(&self) -> [u8; 32] {
+        *self.hash.get_or_init(|| {
+            let mut hasher = blake3::Hasher::new();
+            for list in self.buffers.bytes().iter().filter(|list| list.name != "filter_table") {
+                // Lengths keep lists apart.
+                hasher.update(list.name.as_bytes()).update(&(list.bytes.len() as u64).to_le_bytes()).update(list.bytes);
+            }
+            *hasher.finalize().as_bytes()
+        })
+    }
+}
+
+/// Settings that decide the values of samples, as a label has them.
+fn settings(settings: &RenderSettings, noise: Option<f64>) -> Vec<(String, String)> {
+    let RenderSettings {
+        integrator,
+        sampler,
+        seed,
+        filter,
+        max_depth,
+        clamp,
+        surface_offset,
+        width: _,
+        height: _,
+        samples: _,
+    } = settings;
+    let optional = |value: Option<String>| value.unwrap_or_else(|| "none".into());
+    [
+        ("integrator", integrator.to_string()),
+        ("sampler", sampler.to_string()),
+        ("seed", seed.to_string()),
+        ("filter", filter.to_string()),
+        ("max_depth", max_depth.to_string()),
+        ("clamp", optional(clamp.map(|clamp| clamp.to_string()))),
+        ("surface_offset", surface_offset.to_string()),
+        ("noise", optional(noise.map(|noise| noise.to_string()))),
+    ]
+    .map(|(key, value)| (key.to_owned(), value))
+    .into()
 }
 
 impl Course {

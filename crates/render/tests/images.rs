@@ -69,7 +69,9 @@ fn files_that_are_no_pictures_are_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
     assert!(refusal(&path("none.exr")).starts_with("cannot read "));
-    assert!(refusal(&path("picture.jpg")).ends_with("the ending must be .exr (linear radiance) or .png (sRGB)"));
+    assert!(
+        refusal(&path("picture.jpg")).ends_with("the ending must be .png (for looking at) or .exr (linear radiance)")
+    );
     std::fs::create_dir(path("folder.png")).expect("a folder");
     assert!(refusal(&path("folder.png")).starts_with("cannot read "));
     for (name, kind) in [("text.exr", "an OpenEXR"), ("text.png", "a PNG")] {

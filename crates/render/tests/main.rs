@@ -1,5 +1,7 @@
 //! Translation, portions of work, and pictures on disk.
 
+mod film;
 mod images;
 mod portions;
+mod rendering;
 mod translation;

@@ -6,8 +6,9 @@ mod imported;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use raggio_choice::endings;
 use raggio_images::{Bitmap, Limits};
-use raggio_models::{LoadOptions, Place};
+use raggio_models::{Format, LoadOptions, Place};
 
 use crate::names;
 use cache::{Cache, Key};
@@ -73,11 +74,11 @@ impl Assets {
 
     /// The model at `path`, at the moment of `time_seconds` unless the options say another.
     pub(crate) fn model(&mut self, path: PathBuf, time_seconds: Option<f64>) -> Result<Arc<Imported>, Trouble> {
-        if !is_model(&path) {
-            return Err(Trouble::whole("is not a model: give a .gltf, .glb, .ply, .obj or .stl file"));
-        }
+        let Some(format) = Format::of_path(&path) else {
+            return Err(Trouble::whole(format!("is not a model: give a {} file", endings::<Format>())));
+        };
         let AssetOptions { allow_outside, time_seconds: overriding, .. } = self.options;
-        let time_seconds = overriding.or(time_seconds).filter(|_| is_animated(&path));
+        let time_seconds = overriding.or(time_seconds).filter(|_| format.is_animated());
         let options = LoadOptions { time_seconds, allow_outside, ..LoadOptions::default() };
         self.models.get_or_read(Key::new(path, time_seconds), |path| {
             let model = raggio_models::load(path, &options);
@@ -112,15 +113,5 @@ impl Trouble {
 
 /// Whether the file is a model rather than a scene, by its extension.
 pub fn is_model(path: &Path) -> bool {
-    has_extension(path, &["gltf", "glb", "ply", "obj", "stl"])
-}
-
-/// Whether the file's format has animations; files of other formats are equal at every time.
-fn is_animated(path: &Path) -> bool {
-    has_extension(path, &["gltf", "glb"])
-}
-
-fn has_extension(path: &Path, extensions: &[&str]) -> bool {
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    extensions.iter().any(|known| extension == *known)
+    Format::of_path(path).is_some()
 }

@@ -315,7 +315,8 @@ impl JsonSchema for Materials {
 
 impl Default for RenderFile {
     fn default() -> Self {
-        let RenderSettings { width, height, samples, max_depth, seed, sampler, filter, surface_offset, .. } = RenderSettings::default();
+        let RenderSettings { width, height, samples, max_depth, seed, sampler, filter, surface_offset, .. } =
+            RenderSettings::default();
         Self {
             width: Whole(width.into()),
             height: Whole(height.into()),

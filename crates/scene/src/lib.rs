@@ -47,9 +47,11 @@ pub use error::SceneError;
 pub use glam::{DAffine3, DMat3, DVec3, Vec3};
 pub use load::scene_text;
 pub use names::display_name;
-pub use raggio_choice::{Choice, UnknownName, listed};
+pub use raggio_choice::{Choice, UnknownName};
 pub use raggio_images::{Bitmap, Texels};
-pub use raggio_models::{AlphaMode, Light, LightKind, Mesh, Part, Principled, Texture, TextureFilter, Wrap};
+pub use raggio_models::{
+    AlphaMode, Format as ModelFormat, Light, LightKind, Mesh, Part, Principled, Texture, TextureFilter, Wrap,
+};
 pub use scene::{
     Camera, Entry, Environment, Filter, Geometry, Integrator, Material, Placement, Reflection, RenderSettings, Sampler,
     Scene, Shape, rotation,

@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 
 use raggio_choice::Choice;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::{Error, Visitor};
+use serde::de::{EnumAccess, Error, VariantAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Value, json};
 
@@ -24,20 +24,22 @@ impl<'de, T: Choice> Deserialize<'de> for Named<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Name<T>(PhantomData<T>);
 
-        impl<T: Choice> Visitor<'_> for Name<T> {
+        impl<'de, T: Choice> Visitor<'de> for Name<T> {
             type Value = Named<T>;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("string")
             }
 
-            fn visit_str<E: Error>(self, name: &str) -> Result<Named<T>, E> {
+            fn visit_enum<A: EnumAccess<'de>>(self, data: A) -> Result<Named<T>, A::Error> {
+                let (name, variant) = data.variant::<String>()?;
+                variant.unit_variant()?;
                 let found = T::ALL.iter().copied().find(|choice| choice.name() == name);
-                found.map(Named).ok_or_else(|| E::unknown_variant(name, T::NAMES))
+                found.map(Named).ok_or_else(|| A::Error::unknown_variant(&name, T::NAMES))
             }
         }
 
-        deserializer.deserialize_str(Name(PhantomData))
+        deserializer.deserialize_enum(T::KIND, T::NAMES, Name(PhantomData))
     }
 }
 
@@ -51,7 +53,8 @@ impl<T: Choice> JsonSchema for Named<T> {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let kind = |choice: &T| json!({ "type": "string", "const": choice.name(), "description": choice.description() });
+        let kind =
+            |choice: &T| json!({ "type": "string", "const": choice.name(), "description": choice.description() });
         json_schema!({ "oneOf": T::ALL.iter().map(kind).collect::<Vec<Value>>() })
     }
 }

@@ -124,6 +124,11 @@ impl Denoising {
         !self.waiting && self.is_due(tracer)
     }
 
+    /// Whether a picture without noise is on its way, or will be: none is shown yet of all samples that there are.
+    pub fn is_awaited(&self, tracer: &Tracer) -> bool {
+        self.waiting || self.shown.is_none() || self.is_due(tracer)
+    }
+
     fn is_due(&self, tracer: &Tracer) -> bool {
         let samples = tracer.progress().samples;
         let more = samples >= 2 * self.samples || tracer.finished() && samples > self.samples;

@@ -7,9 +7,10 @@ use egui::{Pos2, RawInput, Rect, Vec2, ViewportId, ViewportInfo};
 use raggio_vulkan::Instance;
 
 use crate::error::ViewError;
+use crate::options::Options;
 use crate::play::WindowStep;
+use crate::report::Report;
 use crate::stage::{Files, Opener, Stage};
-use crate::{Options, Report};
 
 /// Plays the script of `options` to its end.
 pub fn run(options: &Options, files: Files) -> Result<Report, ViewError> {

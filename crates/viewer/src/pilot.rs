@@ -64,7 +64,7 @@ impl Pilot {
         let extent = if diagonal > 0.0 { diagonal.min(seen) } else { seen };
         Self {
             camera: scene.camera.clone(),
-            preset: Preset::default(),
+            preset: Preset::Raggio,
             speed: default_speed(extent),
             motion: Motion::default(),
             transition: None,

@@ -6,6 +6,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, TouchPhase, Vec2};
+use raggio_choice::{Choice, choice};
 
 use crate::command::{Command, Navigate};
 use crate::error::ViewError;
@@ -44,8 +45,10 @@ pub enum Step {
     WaitForSamples(u32),
     /// A wait until the export under way is written.
     WaitForExport,
-    /// A wait until the scene's file has been read again, so many times in all.
-    WaitForReload(u32),
+    /// A wait until the picture is shown without its noise.
+    WaitForDenoised,
+    /// A wait until something has happened so many times in all.
+    WaitForHappening(Happening, u32),
     /// A change of the window itself.
     Window(WindowStep),
 }
@@ -82,6 +85,21 @@ pub struct Played {
     pub window: Vec<WindowStep>,
 }
 
+choice! {
+    /// A thing that others make happen while a script plays, and that it can wait for.
+    pub enum Happening: "happening" {
+        /// The scene's file has been read again.
+        Reload = "reloads",
+        /// The scene has been saved.
+        Save = "saves",
+        /// The kernels have been compiled again, and trace.
+        Exchange = "kernels",
+    }
+}
+
+/// Number of times that each [`Happening`] has happened.
+pub type Happened = [u32; Happening::ALL.len()];
+
 /// State of the viewer that a script can wait for.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct State {
@@ -89,8 +107,10 @@ pub struct State {
     pub samples: u32,
     /// Whether there will be no more samples.
     pub stopped: bool,
-    /// Number of times that the scene's file has been read again.
-    pub reloads: u32,
+    /// Things that have happened so far.
+    pub happened: Happened,
+    /// Whether a denoised picture is awaited.
+    pub denoising: bool,
     /// Whether a picture is being rendered for a file.
     pub exporting: bool,
 }
@@ -159,7 +179,8 @@ impl Player {
             | Step::Wait(_)
             | Step::WaitForSamples(_)
             | Step::WaitForExport
-            | Step::WaitForReload(_) => {
+            | Step::WaitForDenoised
+            | Step::WaitForHappening(..) => {
                 self.current = Some((step, 0.0));
             }
         }
@@ -208,7 +229,8 @@ impl Player {
                 }
                 f64::from(u8::from(enough || state.stopped))
             }
-            Step::WaitForReload(times) => f64::from(u8::from(state.reloads >= *times)),
+            Step::WaitForDenoised => f64::from(u8::from(!state.denoising)),
+            Step::WaitForHappening(what, times) => f64::from(u8::from(state.happened[*what as usize] >= *times)),
             Step::WaitForExport => f64::from(u8::from(!state.exporting)),
             Step::Do(_) | Step::Move(_) | Step::Wheel(_) | Step::Window(_) => 1.0,
         };

@@ -10,9 +10,9 @@ use egui::{PlatformOutput, RawInput};
 use raggio_render::{Device, DeviceChoice, OpenOptions};
 use raggio_vulkan::{Canvas, DeviceKind, Instance, Surface, VulkanError};
 
-use crate::Options;
 use crate::document::Document;
 use crate::error::ViewError;
+use crate::options::Options;
 use crate::play::{Player, WindowStep};
 use crate::screen::{SMALLEST, Screen};
 use crate::viewer::Viewer;

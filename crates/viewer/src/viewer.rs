@@ -22,7 +22,7 @@ use crate::kernels::KernelWatch;
 use crate::look::Look;
 use crate::notices::Notices;
 use crate::pilot::{Hands, Pilot};
-use crate::play::State;
+use crate::play::{Happened, State};
 use crate::tracer::{Pick, Tracer};
 use crate::wake::Wake;
 use crate::watch::Watch;
@@ -48,7 +48,7 @@ pub struct Viewer {
     pub(crate) reference: Option<PathBuf>,
     /// Time when a hand last did something.
     pub(crate) untouched: Instant,
-    reloads: u32,
+    happened: Happened,
     watch: Option<Watch>,
     kernels: Option<KernelWatch>,
     /// SPIR-V that the kernels were last compiled to.
@@ -125,7 +125,7 @@ impl Viewer {
             outgoing: Outgoing::default(),
             reference: None,
             untouched: Instant::now(),
-            reloads: 0,
+            happened: Happened::default(),
             watch: None,
             kernels: None,
             spirv: None,
@@ -152,7 +152,8 @@ impl Viewer {
         let settled = self.tracer.settled();
         let samples = if settled { self.tracer.progress().samples } else { 0 };
         let stopped = settled && (self.tracer.finished() || self.settings.paused && self.tracer.is_whole());
-        State { samples, stopped, exporting: self.export.is_some(), reloads: self.reloads }
+        let denoising = self.denoising.as_ref().is_some_and(|denoising| denoising.is_awaited(&self.tracer));
+        State { samples, stopped, exporting: self.export.is_some(), happened: self.happened, denoising }
     }
 
     /// Title of the window.

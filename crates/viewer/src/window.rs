@@ -13,9 +13,10 @@ use winit::raw_window_handle::HasDisplayHandle;
 use winit::window::{Window, WindowId};
 
 use crate::error::ViewError;
+use crate::options::Options;
 use crate::play::WindowStep;
+use crate::report::Report;
 use crate::stage::{Files, Opener, Stage};
-use crate::{Options, Report};
 
 /// Opens the window, and returns when it is closed.
 pub fn run(options: &Options, files: Files) -> Result<Report, ViewError> {

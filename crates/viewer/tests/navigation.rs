@@ -3,7 +3,7 @@
 use std::f32::consts::{PI, TAU};
 
 use proptest::prelude::*;
-use raggio_scene::{Camera, Vec3};
+use raggio_scene::{Camera, Choice, Vec3};
 use raggio_viewer::navigation::*;
 
 fn camera() -> Camera {
@@ -284,7 +284,7 @@ fn presets_are_what_people_know() {
     assert_eq!(wheel(Preset::Raggio, None), WheelAction::Dolly);
     assert_eq!(wheel(Preset::Raggio, Some(Button::Right)), WheelAction::Speed);
     assert_eq!(wheel(Preset::Game, None), WheelAction::Speed);
-    for preset in Preset::ALL {
+    for preset in Preset::ALL.iter().copied() {
         assert!(describe(preset).iter().any(|(keys, _)| *keys == "Ctrl+S"), "{}", preset.name());
     }
 }

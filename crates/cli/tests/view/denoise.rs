@@ -10,7 +10,7 @@ stop-at 2
 wait 2 samples
 screenshot noisy.png
 denoise on
-wait 6 s
+wait denoised
 screenshot denoised.png
 export a.exr
 denoise off

@@ -91,7 +91,7 @@ impl Device for CpuDevice {
             workers: self.workers.clone(),
             scene: CpuScene::new(scene.buffers.clone())?,
             work: scene.work,
-            integrator: scene.integrator,
+            integrator: scene.settings.integrator,
             resting: vec![],
             films: Films::new(Film::new(scene.work.width, scene.work.height)),
             reference: vec![],
@@ -154,7 +154,7 @@ impl Session for CpuSession {
             self.reference = vec![];
         }
         self.work = scene.work;
-        self.integrator = scene.integrator;
+        self.integrator = scene.settings.integrator;
         self.resting = vec![];
         self.films.renew(|| Ok(Film::new(scene.work.width, scene.work.height)))
     }

@@ -91,7 +91,7 @@ impl Device for VulkanDevice {
         let resident = kernels.upload(&scene.buffers, None)?;
         let resting = kernels.resting(&[])?;
         let films = Films::new(kernels.film(&scene.work, &resting)?);
-        let (work, integrator) = (scene.work, scene.integrator);
+        let (work, integrator) = (scene.work, scene.settings.integrator);
         Ok(Box::new(VulkanSession {
             kernels,
             work,
@@ -303,7 +303,7 @@ impl Session for VulkanSession {
             self.films.renew(|| self.kernels.film(&scene.work, &self.resting))?;
         }
         self.work = scene.work;
-        self.integrator = scene.integrator;
+        self.integrator = scene.settings.integrator;
         Ok(())
     }
 

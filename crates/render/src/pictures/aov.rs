@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 
-use exr::prelude::FlatSamples;
+use raggio_choice::choice;
 use raggio_kernels::{Feature, FilmPixel};
 
 use crate::devices::device::DeviceError;
@@ -11,31 +11,48 @@ use crate::pictures::film::Film;
 use crate::renderer::Renderer;
 use crate::translation::device_scene::DeviceScene;
 
-/// A layer of an EXR beside the picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Aov {
-    /// Colour of the first surface: `albedo.R`, `.G`, `.B`. Of a lamp, the colour of its light.
-    Albedo,
-    /// Its unit normal in the world, on the side that is seen: `normal.X`, `.Y`, `.Z`.
-    Normal,
-    /// Its distance from the lens along the view direction, infinite where there is none: `depth.Z`.
-    Depth,
-    /// Where it is in the world: `position.X`, `.Y`, `.Z`.
-    Position,
-    /// In pixels a frame: `motion.X`, `.Y`. Scenes stand still, so it is 0.
-    Motion,
-    /// Of the shape in the middle of the pixel, by its place in the scene from 1 on; 0 is none: `object_id.I`.
-    ObjectId,
-    /// Of its material, in the same way: `material_id.I`.
-    MaterialId,
-    /// How many the pixel has: `samples.N`.
-    Samples,
-    /// Of the mean luminance, as independent samples would have it: `variance.Y`.
-    Variance,
+choice! {
+    /// A layer of an EXR beside the picture.
+    pub enum Aov: "layer" {
+        /// Colour of the first surface, or of a lamp's light: albedo.R, .G, .B
+        Albedo = "albedo",
+        /// Unit normal of the first surface in the world, on the side that is seen: normal.X, .Y, .Z
+        Normal = "normal",
+        /// Distance of the first surface along the view direction, infinite where there is none: depth.Z
+        Depth = "depth",
+        /// Position of the first surface in the world: position.X, .Y, .Z
+        Position = "position",
+        /// Motion in pixels a frame, 0 for scenes stand still: motion.X, .Y
+        Motion = "motion",
+        /// Number of the shape in the pixel's middle, in the scene's order from 1 on; 0 is none: object_id.I
+        ObjectId = "object_id",
+        /// Number of its material, in the same way: material_id.I
+        MaterialId = "material_id",
+        /// Number of samples of the pixel: samples.N
+        Samples = "samples",
+        /// Variance of the mean luminance, as independent samples would have it: variance.Y
+        Variance = "variance",
+    }
 }
 
-/// A channel of an EXR: `depth.Z`, and its values row by row from the top left.
-pub type Channel = (String, FlatSamples);
+/// A channel of an EXR.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// Name of the channel: `depth.Z`.
+    pub name: String,
+    /// Values, row by row from the top left.
+    pub values: Values,
+}
+
+/// Values of a channel, one a pixel.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Values {
+    /// Numbers that are measured.
+    F32(Vec<f32>),
+    /// Numbers that count.
+    U32(Vec<u32>),
+}
 
 /// Films of features, each of the samples of the picture.
 #[derive(Default)]
@@ -44,34 +61,6 @@ pub struct Features {
 }
 
 impl Aov {
-    /// All there are.
-    pub const ALL: [Self; 9] = [
-        Self::Albedo,
-        Self::Normal,
-        Self::Depth,
-        Self::Position,
-        Self::Motion,
-        Self::ObjectId,
-        Self::MaterialId,
-        Self::Samples,
-        Self::Variance,
-    ];
-
-    /// Of the layer.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Albedo => "albedo",
-            Self::Normal => "normal",
-            Self::Depth => "depth",
-            Self::Position => "position",
-            Self::Motion => "motion",
-            Self::ObjectId => "object_id",
-            Self::MaterialId => "material_id",
-            Self::Samples => "samples",
-            Self::Variance => "variance",
-        }
-    }
-
     /// The films that it is made from, besides that of radiance.
     pub fn features(self) -> &'static [Feature] {
         match self {
@@ -87,15 +76,15 @@ impl Aov {
 
     /// Its channels, from the film of radiance and [`Features`] that hold its own.
     pub fn channels(self, radiance: &Film, features: &Features, scene: &DeviceScene) -> Vec<Channel> {
-        let whole = |of: &dyn Fn(usize) -> u32| FlatSamples::U32((0..radiance.pixels().len()).map(of).collect());
+        let whole = |of: &dyn Fn(usize) -> u32| Values::U32((0..radiance.pixels().len()).map(of).collect());
         let number = |feature: Feature, i: usize| features.mean(feature, i)[0] as u32;
         match self {
             Self::Albedo => self.vector(["R", "G", "B"], features.vectors(Feature::Albedo)),
             Self::Normal => self.vector(["X", "Y", "Z"], features.normals()),
-            Self::Depth => vec![self.channel("Z", FlatSamples::F32(features.depths()))],
+            Self::Depth => vec![self.channel("Z", Values::F32(features.depths()))],
             Self::Position => self.vector(["X", "Y", "Z"], features.positions()),
             Self::Motion => {
-                ["X", "Y"].map(|axis| self.channel(axis, FlatSamples::F32(vec![0.0; radiance.pixels().len()]))).into()
+                ["X", "Y"].map(|axis| self.channel(axis, Values::F32(vec![0.0; radiance.pixels().len()]))).into()
             }
             Self::ObjectId => {
                 // Kernels number shapes by their place in the hierarchy.
@@ -106,17 +95,17 @@ impl Aov {
             Self::Samples => vec![self.channel("N", whole(&|i| radiance.pixels()[i].samples))],
             Self::Variance => {
                 let variance = |pixel: &FilmPixel| pixel.luminance_error().map_or(f32::INFINITY, |e| (e * e) as f32);
-                vec![self.channel("Y", FlatSamples::F32(radiance.pixels().iter().map(variance).collect()))]
+                vec![self.channel("Y", Values::F32(radiance.pixels().iter().map(variance).collect()))]
             }
         }
     }
 
-    fn channel(self, component: &str, samples: FlatSamples) -> Channel {
-        (format!("{}.{component}", self.name()), samples)
+    fn channel(self, component: &str, values: Values) -> Channel {
+        Channel { name: format!("{}.{component}", self.name()), values }
     }
 
     fn vector(self, components: [&str; 3], values: Vec<[f32; 3]>) -> Vec<Channel> {
-        let component = |i: usize| FlatSamples::F32(values.iter().map(|value| value[i]).collect());
+        let component = |i: usize| Values::F32(values.iter().map(|value| value[i]).collect());
         (0..3).map(|i| self.channel(components[i], component(i))).collect()
     }
 }

@@ -1,52 +1,65 @@
-//! Where samples add up, on the host.
+//! The film on the host, where samples add up.
+
+mod file;
+mod label;
 
 use raggio_kernels::{FilmPixel, FixedSum};
 
 use crate::pictures::linear_image::Image;
 
+pub use file::FilmError;
+pub use label::{Label, MergeError, Portion};
+
 /// Sum and count of the samples of each pixel.
 ///
-/// Sums are exact (see `kernels/film.slang`): films of different sample ranges merge to the very film that one render
-/// of all samples gives.
+/// Sums are exact (see `kernels/film.slang`): films of different sample ranges [merge](Film::merge) to the very film that
+/// one render of all samples gives. A film that has a [`Label`] says which picture it is of and which samples it has, and
+/// can be [written to a file](Film::write).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     width: u32,
     height: u32,
     pixels: Vec<FilmPixel>,
+    label: Option<Label>,
 }
 
-/// Two films of different sizes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("films of {0}x{1} and {2}x{3} pixels cannot be merged")]
-pub struct SizeMismatch(u32, u32, u32, u32);
-
-/// Memory that the film of an image takes.
+/// Memory that the film of an image takes, in bytes.
 pub fn film_bytes(width: u32, height: u32) -> u64 {
     u64::from(width) * u64::from(height) * size_of::<FilmPixel>() as u64
 }
 
 impl Film {
-    /// Without samples.
+    /// Film without samples and without a label.
     pub fn new(width: u32, height: u32) -> Self {
         Self::from_pixels(width, height, vec![FilmPixel::default(); width as usize * height as usize])
     }
 
-    /// From what a device has accumulated.
+    /// Film of the sums that a device has accumulated, row by row from the top left; without a label.
     ///
     /// # Panics
     /// If there are not `width` times `height` pixels.
     pub fn from_pixels(width: u32, height: u32, pixels: Vec<FilmPixel>) -> Self {
         assert_eq!(pixels.len(), width as usize * height as usize);
-        Self { width, height, pixels }
+        Self { width, height, pixels, label: None }
     }
 
-    /// A film that shows `image`: a sample a pixel.
+    /// Film that shows `image`: a sample a pixel; without a label.
     pub fn from_image(image: &Image) -> Self {
         let pixel = |rgb: &[f32; 3]| {
             let [red, green, blue] = rgb.map(|channel| FixedSum::of(f64::from(channel)));
             FilmPixel { red, green, blue, samples: 1, ..FilmPixel::default() }
         };
         Self::from_pixels(image.width, image.height, image.pixels.iter().map(pixel).collect())
+    }
+
+    /// The film with `label`, which says what it is of.
+    pub(crate) fn with_label(self, label: Label) -> Self {
+        Self { label: Some(label), ..self }
+    }
+
+    /// Label that says which picture the film is of, and which samples it has; `None` for sums alone.
+    pub fn label(&self) -> Option<&Label> {
+        self.label.as_ref()
     }
 
     /// Width in pixels.
@@ -59,7 +72,7 @@ impl Film {
         self.height
     }
 
-    /// Row by row from the top left.
+    /// Sums of the pixels, row by row from the top left.
     pub fn pixels(&self) -> &[FilmPixel] {
         &self.pixels
     }
@@ -69,9 +82,18 @@ impl Film {
     }
 
     /// Adds the samples of `other`, which must be other samples of the same picture.
-    pub fn merge(&mut self, other: &Film) -> Result<(), SizeMismatch> {
+    ///
+    /// # Errors
+    /// When labels show that the films are of different pictures, or have samples in common; when one film alone has a
+    /// label; when sizes differ. This film stays as it was then. Films without labels are the caller's responsibility.
+    pub fn merge(&mut self, other: &Film) -> Result<(), MergeError> {
         if (self.width, self.height) != (other.width, other.height) {
-            return Err(SizeMismatch(self.width, self.height, other.width, other.height));
+            return Err(MergeError::Size([self.width, self.height], [other.width, other.height]));
+        }
+        match (&mut self.label, &other.label) {
+            (Some(label), Some(other)) => label.merge(other)?,
+            (None, None) => {}
+            _ => return Err(MergeError::Unlabelled),
         }
         for (into, from) in self.pixels.iter_mut().zip(&other.pixels) {
             into.merge(from);
@@ -85,31 +107,31 @@ impl Film {
         Image { width: self.width, height: self.height, pixels }
     }
 
-    /// Samples in all pixels together.
+    /// Number of samples in all pixels together.
     pub fn samples(&self) -> u64 {
         self.pixels.iter().map(|p| u64::from(p.samples)).sum()
     }
 
-    /// The fewest and the most samples of any pixel, those left out included.
+    /// Fewest and most samples of any pixel, those left out included.
     pub fn sample_range(&self) -> (u32, u32) {
         let taken = |pixel: &FilmPixel| pixel.samples + pixel.rejected;
         let range = self.pixels.iter().map(taken).fold((u32::MAX, 0), |(low, high), n| (low.min(n), high.max(n)));
         (range.0.min(range.1), range.1)
     }
 
-    /// Samples that were left out because they had no value that can be added up.
+    /// Number of samples that were left out because they had no value that can be added up.
     pub fn rejected(&self) -> u64 {
         self.pixels.iter().map(|p| u64::from(p.rejected)).sum()
     }
 
-    /// The luminance that clamping took off, as a share of what there was.
+    /// Share of the luminance that clamping took off, 0 to 1.
     pub fn clamped_share(&self) -> f64 {
         let clamped: f64 = self.pixels.iter().map(|p| p.clamped.value()).sum();
         let kept: f64 = self.pixels.iter().map(|p| p.luminance() * f64::from(p.samples)).sum();
         if clamped > 0.0 { clamped / (kept + clamped) } else { 0.0 }
     }
 
-    /// Rays traced; exact as long as each pixel took fewer than 2^32.
+    /// Number of rays traced; exact as long as each pixel took fewer than 2^32.
     pub fn rays(&self) -> u64 {
         self.pixels.iter().map(|p| u64::from(p.rays)).sum()
     }

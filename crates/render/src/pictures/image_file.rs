@@ -1,6 +1,6 @@
 //! Pictures on disk, written whole or not at all.
 
-use std::ffi::OsStr;
+use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -8,16 +8,17 @@ use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, WritableImage};
 use image::ImageEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 
-use crate::pictures::aov::Channel;
+use crate::pictures::aov::{Channel, Values};
 use crate::pictures::display::{Display, displayed};
 use crate::pictures::film::Film;
+use crate::pictures::format::PictureFormat;
 use crate::pictures::metadata::Metadata;
 
 /// A file to be written.
 #[derive(Clone, Debug)]
 pub struct ImageFile {
     path: PathBuf,
-    format: Format,
+    format: PictureFormat,
 }
 
 /// What an EXR holds beside the picture.
@@ -29,20 +30,12 @@ pub struct Extras {
     pub metadata: Option<Metadata>,
 }
 
-#[derive(Clone, Copy, Debug)]
-enum Format {
-    /// Tone-mapped, 8-bit sRGB.
-    Png,
-    /// Linear, unclamped, 32-bit floating point.
-    Exr,
-}
-
 /// Why a picture cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OutputError {
     /// An ending that names no format.
-    #[error("{}: the ending must be .png (for looking at) or .exr (linear radiance)", path.display())]
+    #[error("{}: the ending must be {}", path.display(), PictureFormat::listed())]
     UnknownFormat {
         /// The file.
         path: PathBuf,
@@ -60,11 +53,8 @@ pub enum OutputError {
 impl ImageFile {
     /// Checks, before any work is spent, that `path` names a known format in a folder that can be written to.
     pub fn new(path: &Path) -> Result<Self, OutputError> {
-        let ending = path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
-        let format = match ending.as_str() {
-            "png" => Format::Png,
-            "exr" => Format::Exr,
-            _ => return Err(OutputError::UnknownFormat { path: path.into() }),
+        let Some(format) = PictureFormat::of_path(path) else {
+            return Err(OutputError::UnknownFormat { path: path.into() });
         };
         let file = Self { path: path.into(), format };
         check_writable(path).map_err(|e| file.unwritable(e))?;
@@ -78,7 +68,7 @@ impl ImageFile {
 
     /// Whether it can hold more than a picture.
     pub fn has_layers(&self) -> bool {
-        matches!(self.format, Format::Exr)
+        self.format.has_layers()
     }
 
     /// `NAME.denoised.ENDING` beside it.
@@ -97,11 +87,11 @@ impl ImageFile {
     pub fn write_with(&self, film: &Film, display: Display, extras: &Extras) -> Result<(), OutputError> {
         let mut bytes = io::Cursor::new(Vec::new());
         match self.format {
-            Format::Png => {
+            PictureFormat::Png => {
                 let pixels = displayed(film, display);
                 encode_png([film.width(), film.height()], bytemuck::cast_slice(&pixels), &mut bytes)
             }
-            Format::Exr => write_exr(film, extras, &mut bytes),
+            PictureFormat::Exr => write_exr(film, extras, &mut bytes),
         }
         .and_then(|()| write_whole(&self.path, bytes.get_ref()))
         .map_err(|e| self.unwritable(e))
@@ -115,12 +105,17 @@ impl ImageFile {
 /// Writes `bytes` to `path`, whole or not at all: under a temporary name first, renamed when all of it has reached the
 /// disk. A link is followed; a pipe or a device is written to as it is.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    write_whole_with(path, |file| file.write_all(bytes))
+}
+
+/// Does so with the bytes that `write` writes, which need not be in memory together.
+pub(crate) fn write_whole_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     let path = destination(path)?;
     if is_special(&path) {
-        return std::fs::OpenOptions::new().write(true).open(&path)?.write_all(bytes);
+        return write(&mut File::options().write(true).open(&path)?);
     }
     let mut temporary = temporary_beside(&path)?;
-    temporary.write_all(bytes)?;
+    write(temporary.as_file_mut())?;
     temporary.as_file().sync_all()?;
     temporary.persist(&path).map_err(|e| e.error)?;
     Ok(())
@@ -182,7 +177,13 @@ fn write_exr(film: &Film, extras: &Extras, to: &mut io::Cursor<Vec<u8>>) -> io::
     let (width, height) = (mean.width as usize, mean.height as usize);
     let color = |i: usize| FlatSamples::F32(mean.pixels.iter().map(|pixel| pixel[i]).collect());
     let colors = ["R", "G", "B"].into_iter().enumerate().map(|(i, name)| AnyChannel::new(name, color(i)));
-    let others = extras.channels.iter().map(|(name, samples)| AnyChannel::new(name.as_str(), samples.clone()));
+    let others = extras.channels.iter().map(|channel| {
+        let samples = match &channel.values {
+            Values::F32(values) => FlatSamples::F32(values.clone()),
+            Values::U32(values) => FlatSamples::U32(values.clone()),
+        };
+        AnyChannel::new(channel.name.as_str(), samples)
+    });
     let channels = AnyChannels::sort(colors.chain(others).collect());
     let mut image = exr::prelude::Image::from_channels((width, height), channels);
     let attributes = &mut image.layer_data.attributes;

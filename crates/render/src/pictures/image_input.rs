@@ -1,6 +1,5 @@
 //! Pictures from disk.
 
-use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{self, BufReader, Seek};
 use std::path::{Path, PathBuf};
@@ -9,6 +8,7 @@ use exr::meta::MetaData;
 use exr::prelude::{ReadChannels, ReadLayers, Vec2};
 use image::{ImageDecoder, ImageReader};
 
+use crate::pictures::format::PictureFormat;
 use crate::pictures::linear_image::Image;
 
 /// The most pixels that are read: 8192 x 8192.
@@ -19,7 +19,7 @@ const MOST_PIXELS: u64 = 1 << 26;
 #[non_exhaustive]
 pub enum InputError {
     /// An ending that names no format.
-    #[error("{}: the ending must be .exr (linear radiance) or .png (sRGB)", path.display())]
+    #[error("{}: the ending must be {}", path.display(), PictureFormat::listed())]
     UnknownFormat {
         /// The file.
         path: PathBuf,
@@ -58,11 +58,10 @@ impl Image {
     /// Reads an OpenEXR file, whose R, G and B are linear radiance, or a PNG, whose sRGB is made linear. Opacity is left
     /// out, and what is not a number or infinite becomes black.
     pub fn load(path: &Path) -> Result<Self, InputError> {
-        let ending = path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
-        let (format, read): (_, Reader) = match ending.as_str() {
-            "exr" => ("an OpenEXR", read_exr),
-            "png" => ("a PNG", read_png),
-            _ => return Err(InputError::UnknownFormat { path: path.into() }),
+        let (format, read): (_, Reader) = match PictureFormat::of_path(path) {
+            Some(PictureFormat::Exr) => ("an OpenEXR", read_exr),
+            Some(PictureFormat::Png) => ("a PNG", read_png),
+            None => return Err(InputError::UnknownFormat { path: path.into() }),
         };
         let unreadable = |source| InputError::Unreadable { path: path.into(), source };
         let file = File::open(path).map_err(unreadable)?;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use exr::prelude::{AttributeValue, LayerAttributes, Text};
 use glam::{DMat4, DVec4};
-use raggio_scene::{Camera, Filter, RenderSettings, Sampler, Scene};
+use raggio_scene::{Camera, RenderSettings, Scene};
 
 /// How a picture was made.
 #[derive(Clone, Debug)]
@@ -13,8 +13,6 @@ pub struct Metadata {
     pub scene: String,
     /// The most that a pixel has.
     pub samples: u32,
-    /// How light was followed.
-    pub integrator: String,
     /// What removed noise, and its version.
     pub denoiser: Option<String>,
     settings: RenderSettings,
@@ -23,11 +21,10 @@ pub struct Metadata {
 
 impl Metadata {
     /// Of a picture of `scene`, which is called `name`.
-    pub fn new(scene: &Scene, name: &str, integrator: &str) -> Self {
+    pub fn new(scene: &Scene, name: &str) -> Self {
         Self {
             scene: name.into(),
             samples: scene.render.samples,
-            integrator: integrator.into(),
             denoiser: None,
             settings: scene.render.clone(),
             camera: scene.camera.clone(),
@@ -46,9 +43,9 @@ impl Metadata {
             ("samples", number(self.samples)),
             ("maxDepth", number(self.settings.max_depth)),
             ("seed", number(self.settings.seed)),
-            ("integrator", text(&self.integrator)),
-            ("sampler", text(sampler_name(self.settings.sampler))),
-            ("filter", text(filter_name(self.settings.filter))),
+            ("integrator", text(self.settings.integrator.name())),
+            ("sampler", text(self.settings.sampler.name())),
+            ("filter", text(self.settings.filter.name())),
         ]);
         if let Some(denoiser) = &self.denoiser {
             other.insert("denoiser", text(denoiser));
@@ -81,20 +78,4 @@ impl Metadata {
 /// OpenEXR multiplies row vectors from the left, and stores rows: the columns of ours.
 fn row_vectors(matrix: DMat4) -> [f32; 16] {
     matrix.to_cols_array().map(|value| value as f32)
-}
-
-fn sampler_name(sampler: Sampler) -> &'static str {
-    match sampler {
-        Sampler::Sobol => "sobol",
-        Sampler::Pcg => "pcg",
-    }
-}
-
-fn filter_name(filter: Filter) -> &'static str {
-    match filter {
-        Filter::Box => "box",
-        Filter::BlackmanHarris => "blackman-harris",
-        Filter::Mitchell => "mitchell",
-        Filter::Point => "point",
-    }
 }

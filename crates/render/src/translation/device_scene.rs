@@ -13,8 +13,7 @@ use raggio_kernels::{
     MAX_NESTED_MEDIA, NO_TEXTURE, PixelFilter, SceneBuffers, SceneCounts, Sequence, Sky, Work,
 };
 use raggio_scene::{
-    Camera, Environment, Filter, Geometry, Integrator, Light, LightKind, Mesh, RenderSettings, Sampler, Scene, Texture,
-    Wrap,
+    Camera, Environment, Filter, Geometry, Light, LightKind, Mesh, RenderSettings, Sampler, Scene, Texture, Wrap,
 };
 
 use crate::translation::bounds::shape_bounds;
@@ -36,8 +35,8 @@ pub struct DeviceScene {
     pub buffers: SceneBuffers,
     /// Resolution, depth and the like; the portion of work is filled in by the renderer.
     pub work: Work,
-    /// How light is followed.
-    pub integrator: Integrator,
+    /// Settings of the picture, as the scene has them.
+    pub settings: RenderSettings,
     /// For each place in `buffers.order`, the shape's index in the scene.
     pub shape_of_place: Vec<u32>,
     meshes: Meshes,
@@ -54,7 +53,7 @@ impl DeviceScene {
         let mut translated = Self {
             buffers: SceneBuffers::default(),
             work: Work::default(),
-            integrator: Integrator::default(),
+            settings: RenderSettings::default(),
             shape_of_place: vec![],
             meshes: Meshes::default(),
             textures: TextureTable::default(),
@@ -133,8 +132,8 @@ impl DeviceScene {
         }
         self.buffers.camera_media = media.into();
         self.buffers.filter_table = filter_table(scene.render.filter).into();
-        self.work = settings(&scene.render);
-        self.integrator = scene.render.integrator;
+        self.work = work(&scene.render);
+        self.settings = scene.render.clone();
         Ok(())
     }
 
@@ -171,7 +170,7 @@ fn camera_media(scene: &Scene, shape_of_place: &[u32]) -> Result<Vec<CameraMediu
     Ok(around.iter().map(medium).collect())
 }
 
-fn settings(render: &RenderSettings) -> Work {
+fn work(render: &RenderSettings) -> Work {
     Work {
         width: render.width,
         height: render.height,

@@ -1,9 +1,7 @@
 //! The parts of a scene as keys of the file, each with its old value, its new value and the value that its absence
 //! means.
 
-use raggio_scene::{
-    Camera, Environment, Filter, Geometry, Material, Placement, Reflection, RenderSettings, Sampler, Vec3,
-};
+use raggio_scene::{Camera, Environment, Geometry, Material, Placement, Reflection, RenderSettings, Vec3};
 
 use crate::navigation::view_distance;
 
@@ -127,16 +125,8 @@ pub(super) fn render(old: &RenderSettings, new: &RenderSettings) -> Vec<Field> {
         whole("samples", |it| it.samples),
         whole("max_depth", |it| it.max_depth),
         whole("seed", |it| it.seed),
-        field("sampler", old, new, Word("sobol"), |it| match it.sampler {
-            Sampler::Sobol => Word("sobol"),
-            Sampler::Pcg => Word("pcg"),
-        }),
-        field("filter", old, new, Word("box"), |it| match it.filter {
-            Filter::Box => Word("box"),
-            Filter::BlackmanHarris => Word("blackman-harris"),
-            Filter::Mitchell => Word("mitchell"),
-            Filter::Point => Word("point"),
-        }),
+        field("sampler", old, new, Word(default.sampler.name()), |it| Word(it.sampler.name())),
+        field("filter", old, new, Word(default.filter.name()), |it| Word(it.filter.name())),
         field("clamp", old, new, Datum::Absent, |it| it.clamp.map_or(Datum::Absent, Datum::Number)),
         field("surface_offset", old, new, Flag(true), |it| Flag(it.surface_offset)),
     ]

@@ -1,33 +1,22 @@
 //! Actions of the mouse's buttons and wheel, in the ways that people know from other programs.
 
-/// A way to steer the camera with the mouse.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Preset {
-    /// The left button orbits about the point under the cursor, the right one looks around.
-    #[default]
-    Raggio,
-    /// Buttons of Blender: the middle one orbits, pans with Shift, and goes closer and farther with Ctrl.
-    Blender,
-    /// Buttons of three.js on web pages: left orbits, middle goes closer and farther, right pans.
-    OrbitControls,
-    /// Buttons of a game seen through the player's eyes: the left and the right one look around, the middle one pans.
-    Game,
+use raggio_choice::choice;
+
+choice! {
+    /// A way to steer the camera with the mouse.
+    pub enum Preset: "preset" {
+        /// The left button orbits about the point under the cursor, the right one looks around.
+        Raggio = "raggio",
+        /// Buttons of Blender: the middle one orbits, pans with Shift, and goes closer and farther with Ctrl.
+        Blender = "Blender",
+        /// Buttons of three.js on web pages: left orbits, middle goes closer and farther, right pans.
+        OrbitControls = "OrbitControls",
+        /// Buttons of a game seen through the player's eyes: the left and the right one look around, the middle one pans.
+        Game = "Game",
+    }
 }
 
 impl Preset {
-    /// All presets, in the order of a menu.
-    pub const ALL: [Self; 4] = [Self::Raggio, Self::Blender, Self::OrbitControls, Self::Game];
-
-    /// Name of the preset in menus and scripts.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Raggio => "raggio",
-            Self::Blender => "Blender",
-            Self::OrbitControls => "OrbitControls",
-            Self::Game => "Game",
-        }
-    }
-
     /// Whether an orbit is about the point under the cursor where it began; else it is about `look_at`.
     pub fn orbits_under_cursor(self) -> bool {
         self == Self::Raggio

@@ -1,10 +1,9 @@
 //! Controls of the camera.
 
-use egui::{ComboBox, DragValue, Ui};
+use egui::{DragValue, Ui};
 
-use super::controls::{number, row, step, table, vector};
+use super::controls::{choose, number, row, step, table, vector};
 use crate::command::{Command, Navigate};
-use crate::navigation::Preset;
 use crate::viewer::Viewer;
 
 /// Sides to look from: front, right, top and their opposites.
@@ -44,11 +43,7 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
         });
         row(ui, "mouse", |ui| {
             let mut preset = viewer.pilot.preset();
-            ComboBox::from_id_salt("preset").selected_text(preset.name()).show_ui(ui, |ui| {
-                for known in Preset::ALL {
-                    ui.selectable_value(&mut preset, known, known.name());
-                }
-            });
+            choose(ui, "preset", &mut preset);
             if preset != viewer.pilot.preset() {
                 commands.push(Command::Preset(preset));
             }

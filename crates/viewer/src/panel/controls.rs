@@ -1,6 +1,7 @@
 //! Controls that several panels share.
 
-use egui::{DragValue, Grid, Response, Ui};
+use egui::{ComboBox, DragValue, Grid, Response, Ui};
+use raggio_render::Choice;
 use raggio_scene::Vec3;
 
 /// A table of names and controls.
@@ -14,6 +15,15 @@ pub fn row<T>(ui: &mut Ui, name: &str, control: impl FnOnce(&mut Ui) -> T) -> T 
     let result = control(ui);
     ui.end_row();
     result
+}
+
+/// A menu of a choice's names; `id` is its own in the window.
+pub fn choose<T: Choice>(ui: &mut Ui, id: &str, value: &mut T) {
+    ComboBox::from_id_salt(id).width(150.0).selected_text(value.name()).show_ui(ui, |ui| {
+        for choice in T::ALL {
+            ui.selectable_value(value, *choice, choice.name()).on_hover_text(choice.description());
+        }
+    });
 }
 
 /// A number that is dragged or typed; `speed` is for a point of the drag.

@@ -1,20 +1,19 @@
 //! Controls of how the film is shown.
 
-use egui::{ComboBox, DragValue, Slider, SliderClamping, TextEdit, Ui};
+use egui::{DragValue, Slider, SliderClamping, TextEdit, Ui};
 use raggio_render::{Comparison, View};
 
-use super::controls::{row, table};
+use super::controls::{choose, row, table};
 use crate::command::Command;
 use crate::fields::Fields;
 use crate::look::Look;
-use crate::names::{COMPARISONS, TONE_MAPPERS, VIEWS};
 use crate::viewer::Viewer;
 
 /// Draws the controls of view, exposure, tone mapping, comparison, and of how samples are added.
 pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Vec<Command>) {
     let mut look = viewer.settings.look;
     table(ui, "picture", |ui| {
-        row(ui, "view", |ui| choose(ui, "view", &mut look.view, VIEWS));
+        row(ui, "view", |ui| choose(ui, "view", &mut look.view));
         if let Some(legend) = look.view.legend(viewer.tracer.scale(look.view)) {
             row(ui, "", |ui| ui.add(egui::Label::new(egui::RichText::new(legend).weak()).wrap()));
         }
@@ -27,7 +26,7 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Ve
             ui.add_enabled(tone_mapped, slider);
         });
         row(ui, "tones", |ui| {
-            ui.add_enabled_ui(tone_mapped, |ui| choose(ui, "tones", &mut look.tone_mapper, TONE_MAPPERS));
+            ui.add_enabled_ui(tone_mapped, |ui| choose(ui, "tones", &mut look.tone_mapper));
         });
         row(ui, "noise", |ui| {
             let mut denoised = viewer.denoising.is_some();
@@ -87,7 +86,7 @@ fn compare(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, look: &mut Look, c
         });
         if viewer.reference.is_some() {
             ui.horizontal(|ui| {
-                choose(ui, "comparison", &mut look.comparison, COMPARISONS);
+                choose(ui, "comparison", &mut look.comparison);
                 if ui.button("Close").clicked() {
                     commands.push(Command::Reference(None));
                 }
@@ -95,16 +94,6 @@ fn compare(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, look: &mut Look, c
             if look.comparison == Comparison::Split {
                 ui.add(Slider::new(&mut look.split, 0.0..=1.0).show_value(false));
             }
-        }
-    });
-}
-
-/// Draws a choice of one of a list of named values.
-fn choose<T: PartialEq + Copy>(ui: &mut Ui, id: &str, value: &mut T, names: &[(T, &str)]) {
-    let name = |value: &T| names.iter().find(|(known, _)| known == value).map_or("", |(_, name)| name);
-    ComboBox::from_id_salt(id).width(150.0).selected_text(name(value)).show_ui(ui, |ui| {
-        for (known, name) in names {
-            ui.selectable_value(value, *known, *name);
         }
     });
 }

@@ -2,15 +2,17 @@
 
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::sync::LazyLock;
 use std::time::Duration;
 
 use egui::{Key, Modifiers, PointerButton, Pos2};
+use raggio_render::{Choice, Comparison, ToneMapper, View};
 use raggio_scene::{Geometry, Vec3};
 
 use super::{Span, Step, WindowStep};
 use crate::command::{Command, Edit, ExportRequest, Navigate};
 use crate::error::ViewError;
-use crate::names::{comparison_named, preset_named, tones_named, view_named};
+use crate::navigation::Preset;
 
 /// Parses a script: one step for each line that is neither empty nor a comment.
 pub fn steps(text: &str, file: &str) -> Result<Vec<Step>, ViewError> {
@@ -22,55 +24,63 @@ pub fn steps(text: &str, file: &str) -> Result<Vec<Step>, ViewError> {
 }
 
 /// The words that a line may begin with, and what follows each.
-pub const WORDS: &[(&str, &str)] = &[
-    ("wait", "30 frames | 1.5 s | 64 samples | export | 1 reloads"),
-    ("press", "F1 | Ctrl+Z | …"),
-    ("hold", "W 1 s | Shift+D 30 frames"),
-    ("move", "X,Y"),
-    ("click", "left|middle|right X,Y"),
-    ("double-click", "left|middle|right X,Y"),
-    ("drag", "[Shift+]left|middle|right X,Y X,Y over 1 s | 30 frames"),
-    ("wheel", "NOTCHES"),
-    ("orbit", "DEGREES over 5 s | 120 frames"),
-    ("home", ""),
-    (
-        "camera",
-        "TEXT of the table [camera] in one line, as in position=[0,1,4] look_at=[0,1,0] vertical_fov_degrees=40",
-    ),
-    ("preset", "raggio | blender | orbitcontrols | game"),
-    ("set", "KEY VALUE, as in materials.red.color [1, 0, 0]"),
-    ("select", "NUMBER | none"),
-    ("delete", ""),
-    ("duplicate", ""),
-    ("add", "sphere X,Y,Z RADIUS"),
-    ("undo", ""),
-    ("redo", ""),
-    ("save", "[FILE]"),
-    ("reload", ""),
-    ("open", "FILE"),
-    ("view", "radiance | hit | albedo | normal | depth | bounces | samples | variance"),
-    ("exposure", "STOPS"),
-    ("tones", "neutral | agx | aces | filmic | reinhard | none"),
-    ("denoise", "on | off"),
-    ("reference", "FILE | none"),
-    ("compare", "off | split | reference | difference"),
-    ("scene-size", "on | off"),
-    ("pause", ""),
-    ("restart", ""),
-    ("stop-at", "SAMPLES | never"),
-    ("samples-per-frame", "N | auto"),
-    ("panels", ""),
-    ("help", ""),
-    ("export", "FILE [WxH] [SAMPLES]"),
-    ("screenshot", "FILE"),
-    ("size", "WxH"),
-    ("scale", "PIXELS-PER-POINT"),
-    ("minimise", ""),
-    ("restore", ""),
-    ("section", "NAME | end"),
-    ("lose-device", ""),
-    ("quit", ""),
-];
+pub static WORDS: LazyLock<Vec<(&str, String)>> = LazyLock::new(|| {
+    let words: &[(&str, &str)] = &[
+        ("wait", "30 frames | 1.5 s | 64 samples | export | denoised | 1 reloads | 1 saves | 1 kernels"),
+        ("press", "F1 | Ctrl+Z | …"),
+        ("hold", "W 1 s | Shift+D 30 frames"),
+        ("move", "X,Y"),
+        ("click", "left|middle|right X,Y"),
+        ("double-click", "left|middle|right X,Y"),
+        ("drag", "[Shift+]left|middle|right X,Y X,Y over 1 s | 30 frames"),
+        ("wheel", "NOTCHES"),
+        ("orbit", "DEGREES over 5 s | 120 frames"),
+        ("home", ""),
+        (
+            "camera",
+            "TEXT of the table [camera] in one line, as in position=[0,1,4] look_at=[0,1,0] vertical_fov_degrees=40",
+        ),
+        ("preset", &one_of::<Preset>()),
+        ("set", "KEY VALUE, as in materials.red.color [1, 0, 0]"),
+        ("select", "NUMBER | none"),
+        ("delete", ""),
+        ("duplicate", ""),
+        ("add", "sphere X,Y,Z RADIUS"),
+        ("undo", ""),
+        ("redo", ""),
+        ("save", "[FILE]"),
+        ("reload", ""),
+        ("open", "FILE"),
+        ("view", &one_of::<View>()),
+        ("exposure", "STOPS"),
+        ("tones", &one_of::<ToneMapper>()),
+        ("denoise", "on | off"),
+        ("reference", "FILE | none"),
+        ("compare", &one_of::<Comparison>()),
+        ("scene-size", "on | off"),
+        ("pause", ""),
+        ("restart", ""),
+        ("stop-at", "SAMPLES | never"),
+        ("samples-per-frame", "N | auto"),
+        ("panels", ""),
+        ("help", ""),
+        ("export", "FILE [WxH] [SAMPLES]"),
+        ("screenshot", "FILE"),
+        ("size", "WxH"),
+        ("scale", "PIXELS-PER-POINT"),
+        ("minimise", ""),
+        ("restore", ""),
+        ("section", "NAME | end"),
+        ("lose-device", ""),
+        ("quit", ""),
+    ];
+    words.iter().map(|(word, form)| (*word, (*form).to_owned())).collect()
+});
+
+/// Names of a choice, as the form of a line shows them.
+fn one_of<T: Choice>() -> String {
+    T::NAMES.join(" | ")
+}
 
 fn step(line: &str) -> Result<Step, String> {
     let (word, rest) = split(line);
@@ -145,8 +155,11 @@ fn file_step(word: &str, rest: &str) -> Option<Step> {
 fn parameters(word: &str, words: &[&str]) -> Option<Step> {
     let command = match (word, words) {
         ("wait", ["export"]) => return Some(Step::WaitForExport),
-        ("wait", [count, "reloads"]) => return Some(Step::WaitForReload(number(count)?)),
+        ("wait", ["denoised"]) => return Some(Step::WaitForDenoised),
         ("wait", [count, "samples"]) => return Some(Step::WaitForSamples(number(count)?)),
+        ("wait", [count, what]) if let Ok(what) = what.parse() => {
+            return Some(Step::WaitForHappening(what, number(count)?));
+        }
         ("wait", span_words) => return Some(Step::Wait(span(span_words)?)),
         ("press", [keys]) => {
             let (modifiers, key) = chord(keys)?;
@@ -174,7 +187,7 @@ fn parameters(word: &str, words: &[&str]) -> Option<Step> {
             let scale = number::<f32>(scale).filter(|scale| (0.25..=8.0).contains(scale))?;
             return Some(Step::Window(WindowStep::Scale(scale)));
         }
-        ("preset", [name]) => Command::Preset(preset_named(name)?),
+        ("preset", [name]) => Command::Preset(name.parse().ok()?),
         ("select", ["none"]) => Command::Select(None),
         ("select", [shape]) => Command::Select(Some(number(shape)?)),
         ("add", ["sphere", center, radius]) => {
@@ -183,11 +196,11 @@ fn parameters(word: &str, words: &[&str]) -> Option<Step> {
             let geometry = Geometry::Sphere { center: Vec3::new(x, y, z), radius: number(radius)? };
             Command::Edit(Edit::Add(geometry, 0))
         }
-        ("view", [name]) => Command::View(view_named(name)?),
-        ("tones", [name]) => Command::Tones(tones_named(name)?),
+        ("view", [name]) => Command::View(name.parse().ok()?),
+        ("tones", [name]) => Command::Tones(name.parse().ok()?),
         ("denoise", ["on"]) => Command::Denoise(true),
         ("denoise", ["off"]) => Command::Denoise(false),
-        ("compare", [name]) => Command::Compare(comparison_named(name)?),
+        ("compare", [name]) => Command::Compare(name.parse().ok()?),
         ("scene-size", ["on"]) => Command::SceneSize(true),
         ("scene-size", ["off"]) => Command::SceneSize(false),
         ("exposure", [stops]) => Command::Exposure(number(stops)?),
@@ -294,7 +307,7 @@ mod tests {
         let message = |text: &str| steps(text, "tour.txt").unwrap_err().to_string();
         assert_eq!(
             message("# a tour\n\nwait long"),
-            "tour.txt:3: write `wait 30 frames | 1.5 s | 64 samples | export | 1 reloads`"
+            "tour.txt:3: write `wait 30 frames | 1.5 s | 64 samples | export | denoised | 1 reloads | 1 saves | 1 kernels`"
         );
         assert!(message("jump").starts_with("tour.txt:1: unknown word `jump`: a line begins with one of wait, press"));
         for wrong in [
@@ -303,6 +316,7 @@ mod tests {
             "export a.exr 0x10",
             "size 0x0",
             "wait -1 s",
+            "wait 2 sheep",
             "size 0.5x3",
             "scale 0",
             "view sideways",

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use raggio_render::{Comparison, Device, Image, VulkanDevice};
+use raggio_render::{Comparison, Device, Image, PictureFormat, VulkanDevice};
 
 use super::Viewer;
 use crate::document::Document;
@@ -11,6 +11,7 @@ use crate::fields::Fields;
 use crate::kernels::KernelWatch;
 use crate::look::Look;
 use crate::pilot::Pilot;
+use crate::play::Happening;
 use crate::watch::Watch;
 
 impl Viewer {
@@ -26,6 +27,7 @@ impl Viewer {
             None => self.document.save()?,
         }
         self.fields.saved_as(self.document.path());
+        self.happened[Happening::Save as usize] += 1;
         self.notices.forgive();
         self.notices.done(format!("saved {}", self.document.path().display()));
         Ok(())
@@ -40,7 +42,7 @@ impl Viewer {
         })?;
         self.notices.mended();
         if read {
-            self.reloads += 1;
+            self.happened[Happening::Reload as usize] += 1;
             self.notices.done(format!("read {} again", self.document.path().display()));
         }
         Ok(())
@@ -85,8 +87,7 @@ impl Viewer {
 
     /// Opens a scene to show, or a picture to compare with.
     pub(super) fn open(&mut self, path: &Path) -> Result<(), ViewError> {
-        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-        if ending == "exr" || ending == "png" {
+        if PictureFormat::of_path(path).is_some() {
             return self.compare_with(Some(path.into()));
         }
         if self.document.is_modified() {
@@ -146,6 +147,7 @@ impl Viewer {
             Ok(spirv) => {
                 self.set_device(Box::new(VulkanDevice::with_kernels(context, &spirv)?))?;
                 self.spirv = Some(spirv);
+                self.happened[Happening::Exchange as usize] += 1;
                 self.notices.done("the kernels were compiled again");
             }
             Err(message) => self.notices.fault(message),

@@ -1,0 +1,277 @@
+//! Films on disk. docs/film.md describes the format.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+
+use raggio_kernels::FilmPixel;
+
+use crate::devices::machine::{TooLarge, check_memory};
+use crate::pictures::film::label::{Label, Portion};
+use crate::pictures::film::{Film, film_bytes};
+use crate::pictures::image_file::write_whole_with;
+
+/// First bytes: no text begins so, and a transfer that changes line endings changes them.
+const MAGIC: [u8; 8] = *b"\x89FILM\r\n\x1a";
+/// Version of the format.
+const VERSION: u32 = 1;
+/// Most bytes of a text, and most entries of a list, that a header is believed.
+const LONGEST: u32 = 1 << 16;
+/// Longest side of a film in pixels.
+const LONGEST_SIDE: u32 = 1 << 16;
+/// Bytes that are read at a time: no more memory is taken for a file than it has.
+const CHUNK: usize = 1 << 20;
+/// Bytes of the checksum.
+const CHECKSUM: usize = 32;
+
+/// Reasons why a film cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FilmError {
+    /// A file that cannot be opened or read.
+    #[error("cannot read {}: {source}", path.display())]
+    Unreadable {
+        /// Path of the file.
+        path: PathBuf,
+        /// Error of the system.
+        source: io::Error,
+    },
+    /// A file of another kind.
+    #[error("{}: not a film of raggio", path.display())]
+    NotAFilm {
+        /// Path of the file.
+        path: PathBuf,
+    },
+    /// A film in a format that came later than this program.
+    #[error("{}: a film of format {found}, and this raggio reads format {VERSION}: use the raggio that wrote it", path.display())]
+    Version {
+        /// Path of the file.
+        path: PathBuf,
+        /// Version of the file's format.
+        found: u32,
+    },
+    /// A film that is cut short, or is not what was written.
+    #[error("{}: the film is damaged: {reason}", path.display())]
+    Damaged {
+        /// Path of the file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A film that this machine has no memory for.
+    #[error("{}: {source}", path.display())]
+    TooLarge {
+        /// Path of the file.
+        path: PathBuf,
+        /// Memory that is needed, and what there is.
+        source: TooLarge,
+    },
+    /// A film without a label: nobody could tell later what it is of.
+    #[error("the film does not say what it is of, and is not written")]
+    Unlabelled,
+    /// A folder or file that cannot be written to.
+    #[error("cannot write {}: {source}", path.display())]
+    Unwritable {
+        /// Path of the file.
+        path: PathBuf,
+        /// Error of the system.
+        source: io::Error,
+    },
+}
+
+/// Something wrong with a file whose path is not known yet.
+enum Fault {
+    System(io::Error),
+    NotAFilm,
+    Version(u32),
+    Damaged(String),
+    TooLarge(TooLarge),
+}
+
+impl Film {
+    /// Writes the film, its label and a checksum to `path`, whole or not at all.
+    ///
+    /// # Errors
+    /// When the film has no label, or the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), FilmError> {
+        let label = self.label().ok_or(FilmError::Unlabelled)?;
+        let written = write_whole_with(path, |file| {
+            let mut to = Hashing { inner: file, hasher: blake3::Hasher::new() };
+            to.write_all(&header(self, label))?;
+            // Pixels are words without padding; on machines with the other byte order they are turned.
+            for pixels in self.pixels().chunks(CHUNK / size_of::<FilmPixel>()) {
+                if cfg!(target_endian = "little") {
+                    to.write_all(bytemuck::cast_slice(pixels))?;
+                } else {
+                    let words: &[u32] = bytemuck::cast_slice(pixels);
+                    to.write_all(&words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>())?;
+                }
+            }
+            let checksum = to.hasher.finalize();
+            to.inner.write_all(checksum.as_bytes())
+        });
+        written.map_err(|source| FilmError::Unwritable { path: path.into(), source })
+    }
+
+    /// Reads a film that [`Film::write`] has written.
+    ///
+    /// # Errors
+    /// When the file cannot be read, is no film or one of a later format, is damaged in any byte or cut short, or needs
+    /// more memory than the machine has.
+    pub fn read(path: &Path) -> Result<Self, FilmError> {
+        let path_of = || path.to_path_buf();
+        let read = File::open(path).map_err(Fault::System).and_then(|file| from_reader(BufReader::new(file)));
+        read.map_err(|fault| match fault {
+            Fault::System(source) => FilmError::Unreadable { path: path_of(), source },
+            Fault::NotAFilm => FilmError::NotAFilm { path: path_of() },
+            Fault::Version(found) => FilmError::Version { path: path_of(), found },
+            Fault::Damaged(reason) => FilmError::Damaged { path: path_of(), reason },
+            Fault::TooLarge(source) => FilmError::TooLarge { path: path_of(), source },
+        })
+    }
+}
+
+/// Everything before the pixels.
+fn header(film: &Film, label: &Label) -> Vec<u8> {
+    let mut bytes = MAGIC.to_vec();
+    let word = |bytes: &mut Vec<u8>, word: u32| bytes.extend(word.to_le_bytes());
+    let text = |bytes: &mut Vec<u8>, text: &str| {
+        word(bytes, text.len() as u32);
+        bytes.extend(text.as_bytes());
+    };
+    for number in [VERSION, film.width(), film.height()] {
+        word(&mut bytes, number);
+    }
+    bytes.extend(label.scene);
+    text(&mut bytes, &label.version);
+    word(&mut bytes, label.settings.len() as u32);
+    for (key, value) in &label.settings {
+        text(&mut bytes, key);
+        text(&mut bytes, value);
+    }
+    word(&mut bytes, label.portions.len() as u32);
+    for Portion { samples, rows } in &label.portions {
+        for number in [samples.start, samples.end, rows.start, rows.end] {
+            word(&mut bytes, number);
+        }
+    }
+    bytes
+}
+
+fn from_reader(from: impl Read) -> Result<Film, Fault> {
+    let mut from = Hashing { inner: from, hasher: blake3::Hasher::new() };
+    let mut magic = [0; MAGIC.len()];
+    match from.read_exact(&mut magic) {
+        Err(error) if error.kind() != io::ErrorKind::UnexpectedEof => return Err(Fault::System(error)),
+        Ok(()) if magic == MAGIC => {}
+        _ => return Err(Fault::NotAFilm),
+    }
+    match from.word()? {
+        VERSION => {}
+        found => return Err(Fault::Version(found)),
+    }
+    let [width, height] = [from.word()?, from.word()?];
+    if !(1..=LONGEST_SIDE).contains(&width) || !(1..=LONGEST_SIDE).contains(&height) {
+        return Err(damaged(format!("it says that it has {width}x{height} pixels")));
+    }
+    let mut scene = [0; 32];
+    from.fill(&mut scene)?;
+    let version = from.text()?;
+    let settings = (0..from.length()?).map(|_| Ok((from.text()?, from.text()?))).collect::<Result<_, Fault>>()?;
+    let mut portions: Vec<Portion> = vec![];
+    for _ in 0..from.length()? {
+        let [first, end, top, bottom] = [from.word()?, from.word()?, from.word()?, from.word()?];
+        let portion = Portion { samples: first..end, rows: top..bottom };
+        let meets = portions.iter().any(|other| other.common(&portion).is_some());
+        if portion.is_empty() || bottom > height || meets {
+            return Err(damaged(format!("{portion} are not a part of it")));
+        }
+        portions.push(portion);
+    }
+    check_memory(width, height).map_err(Fault::TooLarge)?;
+
+    let pixels = from.pixels(width, height)?;
+    let expected = from.hasher.finalize();
+    let mut found = [0; CHECKSUM];
+    from.fill(&mut found)?;
+    if expected.as_bytes() != &found {
+        return Err(damaged("its checksum is another".into()));
+    }
+    if from.inner.read(&mut [0]).map_err(Fault::System)? > 0 {
+        return Err(damaged("it goes on after its end".into()));
+    }
+    Ok(Film::from_pixels(width, height, pixels).with_label(Label { version, scene, settings, portions }))
+}
+
+fn damaged(reason: String) -> Fault {
+    Fault::Damaged(reason)
+}
+
+/// A stream whose bytes are hashed as they pass.
+struct Hashing<T> {
+    inner: T,
+    hasher: blake3::Hasher,
+}
+
+impl<T: Write> Write for Hashing<T> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.inner.write(bytes)?;
+        self.hasher.update(&bytes[..count]);
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush()
+    }
+}
+
+impl<T: Read> Read for Hashing<T> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let count = self.inner.read(bytes)?;
+        self.hasher.update(&bytes[..count]);
+        Ok(count)
+    }
+}
+
+impl<T: Read> Hashing<T> {
+    fn fill(&mut self, bytes: &mut [u8]) -> Result<(), Fault> {
+        self.read_exact(bytes).map_err(|error| match error.kind() {
+            io::ErrorKind::UnexpectedEof => damaged("it is cut short".into()),
+            _ => Fault::System(error),
+        })
+    }
+
+    fn word(&mut self) -> Result<u32, Fault> {
+        let mut bytes = [0; 4];
+        self.fill(&mut bytes)?;
+        Ok(u32::from_le_bytes(bytes))
+    }
+
+    /// Length of a text or a list.
+    fn length(&mut self) -> Result<u32, Fault> {
+        let length = self.word()?;
+        if length > LONGEST { Err(damaged(format!("a list in it has {length} entries"))) } else { Ok(length) }
+    }
+
+    fn text(&mut self) -> Result<String, Fault> {
+        let mut bytes = vec![0; self.length()? as usize];
+        self.fill(&mut bytes)?;
+        String::from_utf8(bytes).map_err(|_| damaged("a text in it is not UTF-8".into()))
+    }
+
+    fn pixels(&mut self, width: u32, height: u32) -> Result<Vec<FilmPixel>, Fault> {
+        let mut left = (film_bytes(width, height) / size_of::<FilmPixel>() as u64) as usize;
+        let mut pixels = vec![];
+        while left > 0 {
+            let mut chunk = vec![FilmPixel::default(); left.min(CHUNK / size_of::<FilmPixel>())];
+            self.fill(bytemuck::cast_slice_mut(&mut chunk))?;
+            if cfg!(target_endian = "big") {
+                let words: &mut [u32] = bytemuck::cast_slice_mut(&mut chunk);
+                words.iter_mut().for_each(|word| *word = word.swap_bytes());
+            }
+            left -= chunk.len();
+            pixels.append(&mut chunk);
+        }
+        Ok(pixels)
+    }
+}

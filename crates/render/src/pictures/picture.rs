@@ -1,0 +1,50 @@
+//! A picture as it comes out of a render.
+
+use raggio_denoise::{DenoiseError, Denoiser, Noisy};
+
+use crate::pictures::display::Display;
+use crate::pictures::film::Film;
+use crate::pictures::image_file::{Extras, ImageFile, OutputError};
+use crate::pictures::linear_image::Image;
+
+/// A film with what is told beside it.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// Film of radiance.
+    pub film: Film,
+    /// Layers, and how the picture was made.
+    pub extras: Extras,
+    /// Albedos and normals of the first surfaces, row by row from the top left, if they were asked for.
+    pub(crate) guides: Option<(Vec<[f32; 3]>, Vec<[f32; 3]>)>,
+}
+
+impl Picture {
+    /// Writes the picture, whole or not at all; PNGs are made as `display` says.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write(&self, file: &ImageFile, display: Display) -> Result<(), OutputError> {
+        file.write_with(&self.film, display, &self.extras)
+    }
+
+    /// The picture without its noise, and without its layers, which have none. Guides, if there are any, keep its edges.
+    ///
+    /// # Errors
+    /// When the library fails.
+    pub fn denoised(&self, denoiser: &Denoiser) -> Result<Self, DenoiseError> {
+        let mean = self.film.mean();
+        let [width, height] = [mean.width, mean.height].map(|side| side as usize);
+        let guides = match &self.guides {
+            Some((albedos, normals)) => Some(denoiser.guides([width, height], albedos, normals)?),
+            None => None,
+        };
+        let noisy = Noisy { width, height, color: &mean.pixels, guides: guides.as_ref() };
+        let pixels = denoiser.denoise(noisy)?;
+        let mut metadata = self.extras.metadata.clone();
+        if let Some(metadata) = &mut metadata {
+            metadata.denoiser = Some(denoiser.name());
+        }
+        let film = Film::from_image(&Image { width: mean.width, height: mean.height, pixels });
+        Ok(Self { film, extras: Extras { channels: vec![], metadata }, guides: None })
+    }
+}

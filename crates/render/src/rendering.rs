@@ -1,0 +1,163 @@
+//! A render from its scene to its picture: what all front ends without a window share.
+
+use std::ops::Range;
+use std::time::Instant;
+
+use raggio_kernels::MAX_NESTED_MEDIA;
+use raggio_scene::Scene;
+
+use crate::devices::device::{Device, DeviceError};
+use crate::devices::machine::{TooLarge, check_memory};
+use crate::pictures::aov::Features;
+use crate::pictures::film::Film;
+use crate::pictures::image_file::Extras;
+use crate::pictures::metadata::Metadata;
+use crate::pictures::picture::Picture;
+use crate::renderer::{Progress, Renderer};
+use crate::request::{Observer, RenderRequest};
+use crate::translation::device_scene::DeviceScene;
+use crate::translation::error::TranslationError;
+
+/// Most samples a pixel of layers and guides: their noise is that of edges alone.
+const MOST_FEATURE_SAMPLES: u64 = 1024;
+/// Seconds of the shortest portion before a time limit: what is shorter costs more than it brings.
+const SHORTEST_PORTION: f64 = 0.005;
+
+/// A render whose scene is on its device.
+pub struct Rendering {
+    renderer: Renderer,
+    scene: DeviceScene,
+    request: RenderRequest,
+    metadata: Metadata,
+    warnings: Vec<String>,
+}
+
+/// A render that has come to its end.
+#[derive(Debug)]
+pub struct Rendered {
+    /// Picture of all samples that there are.
+    pub picture: Picture,
+    /// Progress at the end.
+    pub progress: Progress,
+    /// Whether every pixel has all samples that were asked for.
+    pub finished: bool,
+    /// Error of the device that ended the render early; layers and guides are missing then.
+    pub failure: Option<DeviceError>,
+    /// Number of shapes in the scene.
+    pub shapes: usize,
+    /// Number of triangles in the scene, those of each mesh once.
+    pub triangles: usize,
+}
+
+/// Reasons why a render cannot begin.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// A picture that this machine has no memory for.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
+    /// A scene that is too much for any device.
+    #[error(transparent)]
+    Translation(#[from] TranslationError),
+    /// A device that failed.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+}
+
+impl Rendering {
+    /// Brings `scene` to `device`.
+    ///
+    /// # Errors
+    /// When the picture or the scene is too large, or the device fails.
+    pub fn begin(scene: &Scene, device: &dyn Device, request: RenderRequest) -> Result<Self, RenderError> {
+        check_memory(scene.render.width, scene.render.height)?;
+        let device_scene = DeviceScene::new(scene)?;
+        let session = device.load(&device_scene)?;
+        let mut renderer = Renderer::new(session, &device_scene, request.stop.samples(&scene.render));
+        if let Some(noise) = request.stop.noise {
+            renderer.set_noise(noise.into());
+        }
+        let metadata = Metadata::new(scene, &request.name);
+        Ok(Self { renderer, scene: device_scene, request, metadata, warnings: scene.warnings.clone() })
+    }
+
+    /// Numbers of the samples that each pixel has at most.
+    pub fn samples(&self) -> Range<u32> {
+        self.renderer.samples()
+    }
+
+    /// Samples until there is enough, `observer` breaks off, or the device fails; then come layers and guides.
+    ///
+    /// # Errors
+    /// When the device fails and the film is lost with it.
+    pub fn run(mut self, observer: &mut dyn Observer) -> Result<Rendered, DeviceError> {
+        self.warnings.iter().for_each(|warning| observer.warn(warning));
+        let mut failure = self.sample(observer).err();
+        let progress = self.renderer.progress();
+        // A lost device has usually lost the film with it: then its first failure is what to report.
+        let film = match (self.renderer.labelled_film(), failure.take()) {
+            (Ok(film), first) => {
+                failure = first;
+                film
+            }
+            (Err(_), Some(first)) => return Err(first),
+            (Err(error), None) => return Err(error),
+        };
+        if film.rejected() > 0 {
+            observer.warn(&format!(
+                "{} samples had no finite value, or more than {MAX_NESTED_MEDIA} dielectrics overlapped there; they were left out",
+                film.rejected(),
+            ));
+        }
+        let mut features = None;
+        if failure.is_none() {
+            match self.features(observer, &film) {
+                Ok(found) => features = Some(found),
+                Err(error) => failure = Some(error),
+            }
+        }
+        let finished = self.renderer.finished();
+        let (shapes, triangles) = (self.scene.shapes(), self.scene.triangles());
+        Ok(Rendered { picture: self.picture(film, features), progress, finished, failure, shapes, triangles })
+    }
+
+    fn sample(&mut self, observer: &mut dyn Observer) -> Result<(), DeviceError> {
+        let start = Instant::now();
+        let limit = self.request.stop.time_limit.map_or(f64::INFINITY, f64::from);
+        while !self.renderer.finished() {
+            let left = limit - start.elapsed().as_secs_f64();
+            if left <= 0.0 {
+                break;
+            }
+            let progress = self.renderer.advance_for(left.max(SHORTEST_PORTION))?;
+            if observer.progress(&progress).is_break() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Renders what the layers and the denoiser need to know of first surfaces.
+    fn features(&mut self, observer: &mut dyn Observer, film: &Film) -> Result<Features, DeviceError> {
+        let guides: &[_] = if self.request.denoise { &Features::GUIDES } else { &[] };
+        let wanted: Vec<_> = self.request.layers.iter().flat_map(|aov| aov.features()).chain(guides).copied().collect();
+        // The mean number, where parts of the picture have more than others; an early end ends these films early too.
+        let samples = (film.samples() / film.pixels().len() as u64).clamp(1, MOST_FEATURE_SAMPLES) as u32;
+        let progress = self.renderer.progress();
+        Features::render(&mut self.renderer, &wanted, samples, || observer.progress(&progress))
+    }
+
+    fn picture(self, film: Film, features: Option<Features>) -> Picture {
+        let mut extras = Extras { channels: vec![], metadata: Some(self.metadata) };
+        if let Some(metadata) = &mut extras.metadata {
+            metadata.samples = film.pixels().iter().map(|pixel| pixel.samples).max().unwrap_or(0);
+        }
+        let mut guides = None;
+        if let Some(features) = features {
+            let layers = self.request.layers.iter();
+            extras.channels = layers.flat_map(|aov| aov.channels(&film, &features, &self.scene)).collect();
+            guides = self.request.denoise.then(|| (features.albedos(), features.normals()));
+        }
+        Picture { film, extras, guides }
+    }
+}

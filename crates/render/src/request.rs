@@ -1,0 +1,66 @@
+//! What a front end asks for, and what it hears meanwhile.
+
+use std::ops::{ControlFlow, Range};
+
+use raggio_scene::RenderSettings;
+
+use crate::pictures::aov::Aov;
+use crate::renderer::Progress;
+
+/// Samples a pixel of a render that stops by its noise alone, in case it never does.
+const MOST_ADAPTIVE_SAMPLES: u32 = 65536;
+/// Samples a pixel of a render that stops by time alone.
+pub(crate) const MOST_SAMPLES: u32 = i32::MAX as u32;
+
+/// What to make of a scene. The scene itself says size, depth, seed and filter.
+#[derive(Clone, Debug, Default)]
+pub struct RenderRequest {
+    /// Name of the scene in the picture's metadata.
+    pub name: String,
+    /// Layers beside the picture.
+    pub layers: Vec<Aov>,
+    /// Whether the picture is to be [denoised](crate::Picture::denoised), which takes guides.
+    pub denoise: bool,
+    /// End of sampling.
+    pub stop: Stop,
+}
+
+/// When there are samples enough: whichever comes first.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stop {
+    /// Numbers of the samples of each pixel. `None`: as many as the scene says, from 0 on; with a noise or a time limit
+    /// that number does not count.
+    pub samples: Option<Range<u32>>,
+    /// Relative standard error below which a part of the picture takes no more samples: see
+    /// [`Renderer::set_noise`](crate::Renderer::set_noise).
+    pub noise: Option<f32>,
+    /// Seconds of sampling.
+    pub time_limit: Option<f32>,
+}
+
+impl Stop {
+    /// Numbers of the samples that each pixel has at most.
+    pub fn samples(&self, settings: &RenderSettings) -> Range<u32> {
+        self.samples.clone().unwrap_or(match self {
+            Self { noise: Some(_), .. } => 0..MOST_ADAPTIVE_SAMPLES,
+            Self { time_limit: Some(_), .. } => 0..MOST_SAMPLES,
+            _ => 0..settings.samples,
+        })
+    }
+}
+
+/// A front end that wants to hear how a render goes. A closure of the progress is one that hears no warnings.
+pub trait Observer {
+    /// Takes a warning, one sentence for the user.
+    fn warn(&mut self, _warning: &str) {}
+
+    /// Takes the progress after each portion of work. [`ControlFlow::Break`] ends the render early: what there is becomes
+    /// the picture.
+    fn progress(&mut self, progress: &Progress) -> ControlFlow<()>;
+}
+
+impl<F: FnMut(&Progress) -> ControlFlow<()>> Observer for F {
+    fn progress(&mut self, progress: &Progress) -> ControlFlow<()> {
+        self(progress)
+    }
+}

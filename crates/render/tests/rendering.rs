@@ -1,0 +1,202 @@
+//! Requests come true: samples, layers, an early end, and what is left of a render whose device fails.
+
+use std::ops::{ControlFlow, Range};
+
+use raggio_render::{
+    Answer, Aov, Blocks, CpuDevice, CpuOptions, Device, DeviceError, DeviceScene, Display, Feature, Film, FilmPixel,
+    Image, Observer, Pixels, Portion, Probe, Progress, Question, RenderError, RenderRequest, Rendered, Rendering,
+    Session, Stop, Values,
+};
+use raggio_scene::Scene;
+
+const WIDTH: u32 = 6;
+const HEIGHT: u32 = 5;
+
+fn scene() -> Scene {
+    let text = "version = 1\n[render]\nwidth = 6\nheight = 5\nsamples = 3\n[camera]\nposition = [0, 0, 3]\n\
+                look_at = [0, 0, 0]\nvertical_fov_degrees = 60\n[environment]\ncolor = [0.5, 0.7, 1]\n[materials.a]\n\
+                [materials.unused]\n[[shapes]]\nmaterial = \"a\"\nsphere = { center = [0, 0, 0], radius = 1 }\n";
+    Scene::parse(text, "scene.toml").expect("the scene is right")
+}
+
+fn cpu() -> CpuDevice {
+    CpuDevice::new(CpuOptions::default()).expect("threads can be had")
+}
+
+/// Keeps what it hears, and breaks off after so many portions.
+struct Ear {
+    warnings: Vec<String>,
+    portions: usize,
+    patience: usize,
+}
+
+impl Ear {
+    fn patient(patience: usize) -> Self {
+        Self { warnings: vec![], portions: 0, patience }
+    }
+}
+
+impl Observer for Ear {
+    fn warn(&mut self, warning: &str) {
+        self.warnings.push(warning.to_owned());
+    }
+
+    fn progress(&mut self, _: &Progress) -> ControlFlow<()> {
+        self.portions += 1;
+        if self.portions >= self.patience { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+fn rendered(scene: &Scene, device: &dyn Device, request: RenderRequest, ear: &mut Ear) -> Rendered {
+    let rendering = Rendering::begin(scene, device, request).expect("the scene loads");
+    rendering.run(ear).expect("the film is there")
+}
+
+#[test]
+fn a_plain_request_is_the_scene_with_its_samples_and_warnings() {
+    let mut scene = scene();
+    scene.warnings = vec!["a warning".into()];
+    let mut ear = Ear::patient(usize::MAX);
+    let rendered = rendered(&scene, &cpu(), RenderRequest::default(), &mut ear);
+    assert!(rendered.finished && rendered.failure.is_none());
+    assert_eq!((rendered.progress.samples, rendered.shapes, rendered.triangles), (3, 1, 0));
+    assert_eq!(ear.warnings, ["a warning"]);
+    let picture = rendered.picture;
+    assert_eq!(picture.film.label().expect("a label").portions(), [Portion { samples: 0..3, rows: 0..HEIGHT }]);
+    assert!(picture.extras.channels.is_empty());
+}
+
+#[test]
+fn samples_and_layers_are_those_asked_for() {
+    let stop = Stop { samples: Some(5..9), ..Stop::default() };
+    let request = RenderRequest { layers: vec![Aov::Depth, Aov::Samples], stop, ..RenderRequest::default() };
+    let picture = rendered(&scene(), &cpu(), request, &mut Ear::patient(usize::MAX)).picture;
+    assert_eq!(picture.film.label().expect("a label").portions(), [Portion { samples: 5..9, rows: 0..HEIGHT }]);
+    let names: Vec<_> = picture.extras.channels.iter().map(|channel| channel.name.as_str()).collect();
+    assert_eq!(names, ["depth.Z", "samples.N"]);
+    assert_eq!(picture.extras.channels[1].values, Values::U32(vec![4; (WIDTH * HEIGHT) as usize]));
+}
+
+#[test]
+fn who_breaks_off_gets_what_there_is() {
+    let stop = Stop { samples: Some(0..1 << 30), ..Stop::default() };
+    let request = RenderRequest { layers: vec![Aov::Albedo], stop, ..RenderRequest::default() };
+    let rendered = rendered(&scene(), &cpu(), request, &mut Ear::patient(1));
+    assert!(!rendered.finished);
+    assert!(rendered.picture.film.samples() > 0, "the first portion is there");
+    assert_eq!(rendered.picture.extras.channels.len(), 3, "and so are the layers");
+}
+
+#[test]
+fn time_ends_a_render_without_a_number_of_samples() {
+    let stop = Stop { time_limit: Some(0.05), ..Stop::default() };
+    let rendered =
+        rendered(&scene(), &cpu(), RenderRequest { stop, ..RenderRequest::default() }, &mut Ear::patient(usize::MAX));
+    assert!(!rendered.finished);
+    assert!(rendered.progress.samples > 3, "the scene's number does not count");
+}
+
+#[test]
+fn noise_ends_a_render_where_it_is_low() {
+    // An even sky has no noise at all.
+    let mut scene = scene();
+    scene.shapes.clear();
+    scene.entries.clear();
+    let stop = Stop { noise: Some(0.1), ..Stop::default() };
+    let request = RenderRequest { stop, ..RenderRequest::default() };
+    let rendered = rendered(&scene, &cpu(), request, &mut Ear::patient(usize::MAX));
+    assert!(rendered.finished);
+    assert_eq!(rendered.progress.samples, 64, "the first time that it is judged");
+}
+
+#[test]
+fn pictures_that_no_machine_holds_are_refused() {
+    let mut scene = scene();
+    (scene.render.width, scene.render.height) = (65536, 65536);
+    let refused = Rendering::begin(&scene, &cpu(), RenderRequest::default());
+    // Where the system does not tell its memory, nobody knows.
+    if raggio_render::total_memory_bytes().is_some_and(|bytes| bytes < 300 << 30) {
+        assert!(matches!(refused, Err(RenderError::TooLarge(_))));
+    }
+}
+
+/// A device that fails at its third portion.
+struct Failing {
+    /// Whether the film is lost too.
+    loses_film: bool,
+}
+
+struct FailingSession {
+    portions: u32,
+    loses_film: bool,
+}
+
+impl Device for Failing {
+    fn name(&self) -> String {
+        "failing".into()
+    }
+
+    fn load(&self, _: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
+        Ok(Box::new(FailingSession { portions: 0, loses_film: self.loses_film }))
+    }
+}
+
+impl Session for FailingSession {
+    fn show(&mut self, _: Feature) -> Result<(), DeviceError> {
+        Ok(())
+    }
+
+    fn add_samples(&mut self, _: Range<u32>, _: Range<u32>) -> Result<(), DeviceError> {
+        self.portions += 1;
+        if self.portions < 3 { Ok(()) } else { Err(DeviceError::Host("the third portion".into())) }
+    }
+
+    fn rest(&mut self, _: Option<&Blocks>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+
+    fn restart(&mut self, _: &DeviceScene) -> Result<(), DeviceError> {
+        Ok(())
+    }
+
+    fn set_reference(&mut self, _: Option<&Image>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+
+    fn display(&mut self, _: Display) -> Result<Pixels, DeviceError> {
+        Ok(Pixels::Host(vec![]))
+    }
+
+    fn pixels(&self, _: Range<u32>, _: u32) -> Result<Vec<FilmPixel>, DeviceError> {
+        Ok(vec![])
+    }
+
+    fn film(&self) -> Result<Film, DeviceError> {
+        if self.loses_film && self.portions >= 3 {
+            return Err(DeviceError::Host("no film".into()));
+        }
+        Ok(Film::new(WIDTH, HEIGHT))
+    }
+
+    fn ask(&mut self, _: Probe, _: &[Question]) -> Result<Vec<Answer>, DeviceError> {
+        Ok(vec![])
+    }
+
+    fn patience_seconds(&self) -> f64 {
+        1e-9
+    }
+}
+
+#[test]
+fn a_device_that_fails_leaves_its_film() {
+    let request = || RenderRequest { layers: vec![Aov::Samples], ..RenderRequest::default() };
+    let device = Failing { loses_film: false };
+    let rendered = rendered(&scene(), &device, request(), &mut Ear::patient(usize::MAX));
+    assert_eq!(rendered.failure.expect("it failed").to_string(), "the third portion");
+    assert!(!rendered.finished && rendered.picture.extras.channels.is_empty());
+    assert_eq!(rendered.picture.film.label().expect("a label").portions(), [Portion { samples: 0..1, rows: 0..2 }]);
+
+    let rendering = Rendering::begin(&scene(), &Failing { loses_film: true }, request()).expect("the scene loads");
+    let error = rendering.run(&mut Ear::patient(usize::MAX)).expect_err("the film is lost");
+    assert_eq!(error.to_string(), "the third portion", "the first failure is told");
+}
