@@ -43,6 +43,14 @@ impl Feature {
 impl Probe {
     /// Whether only the kernels for any scene answer the probe.
     pub fn is_full(self) -> bool {
-        matches!(self, Self::PrincipledEval | Self::PrincipledSample | Self::PrincipledEnergy)
+        matches!(
+            self,
+            Self::Sample
+                | Self::Density
+                | Self::Facets
+                | Self::PrincipledEval
+                | Self::PrincipledSample
+                | Self::PrincipledEnergy
+        )
     }
 }

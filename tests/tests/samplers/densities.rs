@@ -114,7 +114,7 @@ impl Case {
                 let form = Form::Facets { facets: self.facets(), wo: self.local(self.wo), reflected };
                 Chart { axes: basis(self.n), range: (0.0, 1.0), form }
             }
-            SamplerKind::RoughDielectric => Chart { axes: basis(self.n), range: (-1.0, 1.0), form: Form::Cosine },
+            SamplerKind::RoughGlass => Chart { axes: basis(self.n), range: (-1.0, 1.0), form: Form::Cosine },
             SamplerKind::UniformDisk => Chart { axes: frame(self.n), range: (0.0, 1.0), form: Form::Disk },
             SamplerKind::InterpolatedMirror if s > 0.5 => {
                 Chart { axes: frame(self.mirror()), range: (0.0, 1.0 - s), form: Form::Cone(s) }
@@ -149,12 +149,12 @@ impl Case {
             SamplerKind::InterpolatedMirror => self.interpolated(w),
             SamplerKind::VisibleNormal => self.facets().visible(self.local(self.wo), self.local(w)),
             SamplerKind::RoughMirror => self.facets().reflected(self.local(self.wo), self.local(w)),
-            SamplerKind::RoughDielectric => self.facets().dielectric(self.local(self.wo), self.local(w), self.detail),
+            SamplerKind::RoughGlass => self.facets().dielectric(self.local(self.wo), self.local(w), self.detail),
         }
     }
 
     pub fn facets(&self) -> Facets {
-        let dielectric = self.kind as u32 == SamplerKind::RoughDielectric as u32;
+        let dielectric = self.kind as u32 == SamplerKind::RoughGlass as u32;
         Facets { alpha: [self.smoothness, if dielectric { self.smoothness } else { self.detail }] }
     }
 
@@ -164,7 +164,7 @@ impl Case {
 
     /// Whether some of the light ends between facets.
     pub fn loses(&self) -> bool {
-        self.kind as u32 == SamplerKind::RoughDielectric as u32
+        self.kind as u32 == SamplerKind::RoughGlass as u32
     }
 
     /// Density of interpolated directions: w goes through normalize((1-s) d + s m) for the unit vectors d at which the
@@ -198,7 +198,7 @@ impl Case {
         if self.kind as u32 >= SamplerKind::VisibleNormal as u32 {
             let eta = match self.kind {
                 SamplerKind::VisibleNormal => None,
-                SamplerKind::RoughDielectric if self.n.dot(w) < 0.0 => Some(self.detail),
+                SamplerKind::RoughGlass if self.n.dot(w) < 0.0 => Some(self.detail),
                 _ => Some(1.0),
             };
             return eight
@@ -273,6 +273,6 @@ fn rough_cases(i: usize, n: DVec3, wo: &dyn Fn(f64) -> DVec3, cases: &mut Vec<Ca
         }
     }
     for (cosine, alpha, eta) in [(0.6, 0.09, 1.0 / 1.5), (0.5, 0.3, 1.5), (0.1, 0.3, 1.0 / 1.5), (0.9, 1.0, 1.33)] {
-        add(SamplerKind::RoughDielectric, cosine, alpha, eta);
+        add(SamplerKind::RoughGlass, cosine, alpha, eta);
     }
 }
