@@ -34,8 +34,9 @@ uninstall: ## take away what `make install` put into PREFIX
 test: setup-tests ## build and run all tests
 	$(test_env) cargo test --release --workspace
 
-# Every lamp on every material alone, every lamp at every depth, and software Vulkan beside Mitsuba's pictures: what takes
-# long and has rarely found anything beyond what `make test` runs. No run for a change needs it.
+# Every lamp on every material alone, every lamp at every depth, software Vulkan beside Mitsuba's pictures, and CONTRIBUTING's
+# disk built into a copy of the tree: what takes long and has rarely found anything beyond what `make test` runs. No run for
+# a change needs it.
 test-long: setup-tests ## the tests with all that is too slow for `make test`
 	$(test_env) RAGGIO_TEST_LONG=1 cargo test --release --workspace
 

@@ -5,6 +5,7 @@ mod adaptive;
 mod closed_forms;
 mod determinism;
 mod gltf;
+mod guides;
 mod lights;
 mod reference;
 mod samplers;

@@ -17,7 +17,7 @@ use crate::fault::{Fault, steps};
 use crate::file::{CameraFile, RenderFile, SceneFile};
 use crate::names;
 use crate::number::SMALLEST;
-use crate::scene::{Camera, Environment, Geometry, Material, RenderSettings, Scene};
+use crate::scene::{Camera, Environment, Material, RenderSettings, Scene, Shape};
 
 /// Sine of the smallest angle between `up` and the viewing direction.
 const PARALLEL: f64 = 1e-5;
@@ -141,22 +141,21 @@ fn perpendicular_axis(towards: DVec3) -> &'static str {
     }
 }
 
-/// A warning of each rectangle that is a dielectric.
+/// A warning of each dielectric without an inside.
 fn sheets(scene: &Scene, file: &SceneFile) -> Vec<Fault> {
-    let sheets = scene.shapes.iter().filter(|shape| {
-        matches!(shape.geometry, Geometry::Rectangle { .. }) && scene.materials[shape.material].is_dielectric()
-    });
-    sheets.map(|shape| sheet(shape.entry, file.shapes[shape.entry].material.as_deref().unwrap_or_default())).collect()
+    let is_dielectric = |shape: &&Shape| scene.materials[shape.material].is_dielectric();
+    let sheets = scene.shapes.iter().filter(|shape| shape.geometry.is_sheet()).filter(is_dielectric);
+    sheets.map(|shape| sheet(shape, file.shapes[shape.entry].material.as_deref().unwrap_or_default())).collect()
 }
 
-/// A warning of a dielectric without an inside.
-fn sheet(index: usize, material: &str) -> Fault {
+fn sheet(shape: &Shape, material: &str) -> Fault {
+    let kind = shape.geometry.key();
     let message = format!(
-        "a rectangle has no inside, so {} fills all that lies behind it, up to another rectangle of that material that \
+        "a {kind} has no inside, so {} fills all that lies behind it, up to another {kind} of that material that \
          faces the other way: a pane is a thin `box`",
         names::quoted(material)
     );
-    Fault::key(steps!["shapes", index, "rectangle"], message)
+    Fault::key(steps!["shapes", shape.entry, kind], message)
 }
 
 /// A warning when the picture will be black.

@@ -9,6 +9,7 @@ use std::fmt;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::{Value, json};
 
 use crate::named::Named;
 use crate::number::{
@@ -169,12 +170,9 @@ pub(crate) enum ReflectionName {
 }
 
 /// A material's name and one geometry.
-#[derive(Debug, Deserialize, JsonSchema)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(extend("oneOf" = [
-    { "required": ["material", "sphere"] }, { "required": ["material", "plane"] },
-    { "required": ["material", "rectangle"] }, { "required": ["material", "box"] }, { "required": ["mesh"] }
-]))]
+#[schemars(extend("oneOf" = shape_alternatives()))]
 #[schemars(rename = "Shape")]
 pub(crate) struct ShapeFile {
     /// Name of one of the materials; only a mesh whose file has materials may go without.
@@ -190,6 +188,27 @@ pub(crate) struct ShapeFile {
     pub cuboid: Option<BoxFile>,
     /// Triangles from a file. Without `material` it has the file's own materials.
     pub mesh: Option<MeshFile>,
+}
+
+impl ShapeFile {
+    /// Keys of all geometries, each with whether the shape has it.
+    pub fn geometries(&self) -> impl Iterator<Item = (&'static str, bool)> {
+        let geometries = [
+            ("sphere", self.sphere.is_some()),
+            ("plane", self.plane.is_some()),
+            ("rectangle", self.rectangle.is_some()),
+            ("box", self.cuboid.is_some()),
+            ("mesh", self.mesh.is_some()),
+        ];
+        geometries.into_iter()
+    }
+}
+
+/// Keys that a shape must have, in each of the ways to write one.
+fn shape_alternatives() -> Vec<Value> {
+    let required = |key| if key == "mesh" { json!([key]) } else { json!(["material", key]) };
+    let empty = ShapeFile::default();
+    empty.geometries().map(|(key, _)| json!({ "required": required(key) })).collect()
 }
 
 /// A sphere.

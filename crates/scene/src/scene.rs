@@ -328,6 +328,27 @@ pub enum Geometry {
     },
 }
 
+impl Geometry {
+    /// Key in the scene file, which is also the name of the kind.
+    pub fn key(&self) -> &'static str {
+        match self {
+            Self::Sphere { .. } => "sphere",
+            Self::Plane { .. } => "plane",
+            Self::Rectangle { .. } => "rectangle",
+            Self::Box { .. } => "box",
+            Self::Mesh { .. } => "mesh",
+        }
+    }
+
+    /// Whether there is no inside, so that a dielectric fills all that lies behind.
+    pub fn is_sheet(&self) -> bool {
+        match self {
+            Self::Rectangle { .. } => true,
+            Self::Sphere { .. } | Self::Plane { .. } | Self::Box { .. } | Self::Mesh { .. } => false,
+        }
+    }
+}
+
 /// Rotation by `rotation_degrees` about the world's axes, x first, then y, then z. Its columns are the turned axes.
 pub fn rotation(degrees: Vec3) -> DMat3 {
     let radians = degrees.as_dvec3() * (std::f64::consts::PI / 180.0);

@@ -42,7 +42,7 @@ fn the_example_with_every_key() {
             Material { principled: Some(lacquer().into()), ..material("lacquer") },
         ],
         shapes: example_shapes(),
-        entries: [0, 1, 1, 1].into_iter().enumerate().map(|(i, material)| entry(i, material)).collect(),
+        entries: example_shapes().iter().map(|shape| entry(shape.entry, shape.material)).collect(),
         lights: vec![],
         warnings: vec![],
     };

@@ -39,6 +39,13 @@ fn it_is_a_schema_and_introduces_itself() {
 }
 
 #[test]
+fn the_shipped_one_is_up_to_date() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/scene.schema.json");
+    let shipped: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    assert!(schema() == shipped, "out of date: raggio schema > docs/scene.schema.json");
+}
+
+#[test]
 fn it_accepts_what_the_reader_accepts() {
     let validator = jsonschema::validator_for(&schema()).unwrap();
     validator.validate(&json_of(EXAMPLE)).unwrap();

@@ -14,7 +14,7 @@ use raggio_tests::parse;
 use glam::{DVec3, Vec3};
 
 /// Shapes of every kind, with small, large, far, thin and turned ones.
-const SHAPES: [&str; 16] = [
+const SHAPES: &[&str] = &[
     "sphere = { center = [0, 0, 0], radius = 1 }",
     "sphere = { center = [0.3, -0.2, 0.1], radius = 0.001 }",
     "sphere = { center = [0, -10000, 0], radius = 10000 }",

@@ -51,14 +51,7 @@ fn unknown_material(index: usize, name: &str, materials: &Materials) -> Fault {
 }
 
 fn refuse_two(index: usize, file: &ShapeFile) -> Result<(), Fault> {
-    let given = [
-        ("sphere", file.sphere.is_some()),
-        ("plane", file.plane.is_some()),
-        ("rectangle", file.rectangle.is_some()),
-        ("box", file.cuboid.is_some()),
-        ("mesh", file.mesh.is_some()),
-    ];
-    let mut given = given.iter().filter(|(_, is_given)| *is_given).map(|(key, _)| *key);
+    let mut given = file.geometries().filter(|(_, is_given)| *is_given).map(|(key, _)| key);
     let (Some(first), Some(second)) = (given.next(), given.next()) else {
         return Ok(());
     };
@@ -77,8 +70,8 @@ fn geometry(index: usize, file: &ShapeFile) -> Result<Geometry, Fault> {
     } else if let Some(cuboid) = &file.cuboid {
         Ok(self::cuboid(cuboid))
     } else {
-        let message =
-            format!("shape {} has no geometry: give it `sphere`, `plane`, `rectangle`, `box` or `mesh`", index + 1);
+        let keys: Vec<_> = file.geometries().map(|(key, _)| format!("`{key}`")).collect();
+        let message = format!("shape {} has no geometry: give it one of {}", index + 1, keys.join(", "));
         Err(Fault::value(steps!["shapes", index], message))
     }
 }

@@ -94,7 +94,7 @@ vertical_fov_degrees = 40
 [[shapes]]
 material = "red"
 "#,
-        "scene.toml:7:1: shape 1 has no geometry: give it `sphere`, `plane`, `rectangle`, `box` or `mesh`",
+        "scene.toml:7:1: shape 1 has no geometry: give it one of `sphere`, `plane`, `rectangle`, `box`, `mesh`",
     ),
     (
         "two geometries",

@@ -4,7 +4,7 @@ use raggio_scene::{Camera, Environment, Geometry, Material, Placement, RenderSet
 use toml_edit::{DocumentMut, InlineTable, Item, Table};
 
 use super::error::item;
-use super::fields::{self, Field, kind};
+use super::fields::{self, Field};
 use super::{Document, EditError, lists, tree};
 
 /// Edits that return whether the text changed, or the index of what they added; a new value equal to the old one is no
@@ -83,11 +83,11 @@ impl Document {
 
     /// Adds a shape and returns its index, which is the last.
     pub fn add_shape(&mut self, geometry: &Geometry, material: usize) -> Result<usize, EditError> {
-        self.edit(&format!("add {}", kind(geometry)), |toml, scene| {
+        self.edit(&format!("add {}", geometry.key()), |toml, scene| {
             let named = item(&scene.materials, material, "material")?;
             let mut table = Item::Value(InlineTable::new().into());
             tree::insert(&mut table, "material", named.name.as_str().into());
-            tree::insert(&mut table, kind(geometry), tree::inline_table(&fields::geometry(geometry, geometry)));
+            tree::insert(&mut table, geometry.key(), tree::inline_table(&fields::geometry(geometry, geometry)));
             if let Item::Value(toml_edit::Value::InlineTable(table)) = table {
                 lists::push(toml, table);
             }
@@ -184,7 +184,7 @@ fn free_name(scene: &Scene, name: &str) -> String {
 /// The key of a shape's geometry; shapes are counted as in the file.
 fn kind_of(scene: &Scene, index: usize) -> Result<&'static str, EditError> {
     let entry = item(&scene.entries, index, "shape")?;
-    let other = || scene.shapes_of(index).first().map_or("shape", |shape| kind(&shape.geometry));
+    let other = || scene.shapes_of(index).first().map_or("shape", |shape| shape.geometry.key());
     Ok(if entry.placement.is_some() { "mesh" } else { other() })
 }
 
@@ -209,14 +209,14 @@ fn change_of_shape(scene: &Scene, index: usize, new: &Geometry) -> Result<String
     } else {
         "change"
     };
-    Ok(format!("{verb} {}", kind(old)))
+    Ok(format!("{verb} {}", old.key()))
 }
 
 fn write_geometry(shape: &mut Item, old: &Geometry, new: &Geometry) {
-    if kind(old) != kind(new) {
-        tree::remove(shape, kind(old));
-        tree::insert(shape, kind(new), tree::inline_table(&fields::geometry(new, new)));
-    } else if let Some(table) = tree::child(shape, kind(old)) {
+    if old.key() != new.key() {
+        tree::remove(shape, old.key());
+        tree::insert(shape, new.key(), tree::inline_table(&fields::geometry(new, new)));
+    } else if let Some(table) = tree::child(shape, old.key()) {
         tree::write_fields(table, &fields::geometry(old, new));
     }
 }

@@ -132,17 +132,6 @@ pub(super) fn render(old: &RenderSettings, new: &RenderSettings) -> Vec<Field> {
     ]
 }
 
-/// The key of a shape's table under which its geometry stands.
-pub(super) fn kind(geometry: &Geometry) -> &'static str {
-    match geometry {
-        Geometry::Sphere { .. } => "sphere",
-        Geometry::Plane { .. } => "plane",
-        Geometry::Rectangle { .. } => "rectangle",
-        Geometry::Box { .. } => "box",
-        Geometry::Mesh { .. } => "mesh",
-    }
-}
-
 /// The keys of two geometries of one kind.
 pub(super) fn geometry(old: &Geometry, new: &Geometry) -> Vec<Field> {
     let (old, new) = (data(old), data(new));
@@ -173,5 +162,5 @@ fn absent(key: &str) -> Datum {
 /// Whether one geometry is the other in another place.
 pub(super) fn is_moved(old: &Geometry, new: &Geometry) -> bool {
     // The place is the first key of every kind.
-    kind(old) == kind(new) && data(old).get(1..) == data(new).get(1..)
+    old.key() == new.key() && data(old).get(1..) == data(new).get(1..)
 }

@@ -67,13 +67,7 @@ pub fn shape_name(scene: &Scene, shape: usize) -> String {
     if let Some(file) = placement.map(|placement| Path::new(&placement.file)) {
         return format!("{} {shape}", file.file_name().unwrap_or_default().display());
     }
-    let kind = match scene.shapes_of(shape).first().map(|shape| &shape.geometry) {
-        Some(Geometry::Sphere { .. }) => "sphere",
-        Some(Geometry::Plane { .. }) => "plane",
-        Some(Geometry::Rectangle { .. }) => "rectangle",
-        Some(Geometry::Box { .. }) => "box",
-        Some(Geometry::Mesh { .. }) | None => "shape",
-    };
+    let kind = scene.shapes_of(shape).first().map_or("shape", |shape| shape.geometry.key());
     format!("{kind} {shape}")
 }
 

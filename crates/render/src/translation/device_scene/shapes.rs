@@ -11,6 +11,7 @@ use crate::translation::bounds::instance_scale;
 use crate::translation::meshes::Meshes;
 
 /// A list for each kind.
+#[derive(Default)]
 pub(super) struct Shapes<'a> {
     materials: &'a [Material],
     spheres: Vec<Sphere>,
@@ -23,7 +24,7 @@ pub(super) struct Shapes<'a> {
 impl<'a> Shapes<'a> {
     /// None yet, made of these materials.
     pub fn new(materials: &'a [Material]) -> Self {
-        Self { materials, spheres: vec![], planes: vec![], rectangles: vec![], boxes: vec![], instances: vec![] }
+        Self { materials, ..Self::default() }
     }
 
     /// Appends `shape`, whose mesh, if it is one, is among `meshes`.
