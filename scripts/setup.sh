@@ -90,6 +90,8 @@ made_for() { echo "$root $("$1" -c 'import sys; print(sys.base_prefix, *sys.vers
 has_venv() { [ "$(cat .venv/.made-for 2>/dev/null)" = "$(made_for .venv/bin/python)" ]; }
 
 make_venv() {
+    # What a link points to is somebody else's, and would be cleared.
+    [ ! -L .venv ] || { lack ".venv is a symbolic link: remove it, and a folder of its own is made." && exit 2; }
     has_venv && return
     say "making the Python environment .venv"
     quietly python3 -m venv --clear .venv && made_for .venv/bin/python >.venv/.made-for

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use exr::prelude::{read_first_rgba_layer_from_file, write_rgb_file};
-use raggio_render::Image;
+use raggio_render::{Film, Image};
 
 /// Side of the blocks, in pixels.
 const BLOCK: usize = 8;
@@ -47,6 +47,26 @@ pub fn difference(reference: &Image, image: &Image) -> Difference {
         median: percentile(&errors, 0.5),
         p95: percentile(&errors, 0.95),
     }
+}
+
+/// Errors of the blocks' mean luminances, each in units of the standard error that the film's own variance tells. A film
+/// of independent samples without bias has the normal distribution's; the reference counts as free of noise.
+pub fn scores(reference: &Image, film: &Film) -> Vec<f64> {
+    let (width, height) = (film.width() as usize, film.height() as usize);
+    assert_eq!((reference.width as usize, reference.height as usize), (width, height), "pictures of different sizes");
+    let luminance = |&[red, green, blue]: &[f32; 3]| 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+    let corners = (0..height / BLOCK).flat_map(|y| (0..width / BLOCK).map(move |x| (y * BLOCK, x * BLOCK)));
+    let score = |(top, left)| {
+        let (mut error, mut variance) = (0.0, 0.0);
+        for i in 0..BLOCK * BLOCK {
+            let place = (top + i / BLOCK) * width + left + i % BLOCK;
+            let pixel = &film.pixels()[place];
+            error += pixel.luminance() - f64::from(luminance(&reference.pixels[place]));
+            variance += pixel.luminance_error().expect("more than one sample").powi(2);
+        }
+        error / variance.sqrt()
+    };
+    corners.map(score).collect()
 }
 
 /// Means of all whole blocks, channel by channel.

@@ -5,7 +5,6 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::cache::Cache;
-use crate::slangc::ENTRY_POINTS;
 
 /// Level of instruction set that kernels are compiled for.
 #[derive(Clone, Copy)]
@@ -78,16 +77,17 @@ fn native() -> &'static str {
 pub struct Sources {
     prelude: String,
     kernels: String,
+    entry_points: Vec<String>,
 }
 
 impl Sources {
     /// Splits the file `generated` into prelude and kernels, and writes both into the folder `out`.
-    pub fn split(generated: &Path, out: &Path) -> Result<Self, String> {
+    pub fn split(generated: &Path, entry_points: &[String], out: &Path) -> Result<Self, String> {
         let text = std::fs::read_to_string(generated).map_err(|e| format!("cannot read slangc's C++: {e}"))?;
         // slangc puts its prelude at the head of the file; the prelude ends with its last conditional.
         let end = text.rfind("#endif").map(|i| i + "#endif".len()).ok_or("slangc's C++ has no prelude")?;
         let (prelude, kernels) = text.split_at(end);
-        let sources = Self { prelude: prelude.into(), kernels: inlined(kernels)? };
+        let sources = Self { prelude: prelude.into(), kernels: inlined(kernels)?, entry_points: entry_points.to_vec() };
         write(&out.join("slang_prelude.h"), &sources.prelude)?;
         write(&out.join("kernels.inc"), &sources.kernels)?;
         Ok(sources)
@@ -97,7 +97,7 @@ impl Sources {
     pub fn compile(&self, cache: &Cache, level: &Level, out: &Path) -> Result<(), String> {
         let library = format!("raggio_kernels_{}", level.suffix);
         let unit = out.join(format!("{library}.cpp"));
-        let text = translation_unit(level.suffix);
+        let text = translation_unit(level.suffix, &self.entry_points);
         write(&unit, &text)?;
 
         let mut build = cc::Build::new();
@@ -196,7 +196,7 @@ fn inlined(kernels: &str) -> Result<String, String> {
     }
 }
 
-fn translation_unit(suffix: &str) -> String {
+fn translation_unit(suffix: &str, entry_points: &[String]) -> String {
     let mut text = String::from(
         "#include <cmath>\n#include <float.h>\n#include <math.h>\n#include <assert.h>\n#include <stdint.h>\n#include <stdlib.h>\n#include <string.h>\n\
          namespace {\n\
@@ -211,7 +211,7 @@ fn translation_unit(suffix: &str) -> String {
          #include \"kernels.inc\"\n\
          }\n",
     );
-    for entry in ENTRY_POINTS {
+    for entry in entry_points {
         let _ = write!(
             text,
             "extern \"C\" void raggio_{entry}_{suffix}(const uint32_t* groups, void* globals) {{\n\
@@ -224,11 +224,16 @@ fn translation_unit(suffix: &str) -> String {
     text
 }
 
+/// Variant of `EntryPoint` for the entry point of this name.
+pub fn variant_name(entry: &str) -> String {
+    entry[..1].to_uppercase() + &entry[1..]
+}
+
 /// Writes `cpu_table.rs`: Rust declarations of the compiled entry points and the choice among them.
-pub fn write_table(levels: &[Level], out: &Path) -> Result<(), String> {
+pub fn write_table(levels: &[Level], entry_points: &[String], out: &Path) -> Result<(), String> {
     let mut text = String::from("unsafe extern \"C\" {\n");
     for Level { suffix, .. } in levels {
-        for entry in ENTRY_POINTS {
+        for entry in entry_points {
             let _ = writeln!(text, "    fn raggio_{entry}_{suffix}(groups: *const [u32; 3], globals: *const u64);");
         }
     }
@@ -240,8 +245,8 @@ pub fn write_table(levels: &[Level], out: &Path) -> Result<(), String> {
     text +=
         "];\n\nfn entry_point(set: InstructionSet, entry: EntryPoint) -> Option<Kernel> {\n    match (set, entry) {\n";
     for Level { name, suffix, .. } in levels {
-        for entry in ENTRY_POINTS {
-            let variant = entry[..1].to_uppercase() + &entry[1..];
+        for entry in entry_points {
+            let variant = variant_name(entry);
             let _ = writeln!(
                 text,
                 "        (InstructionSet::{name}, EntryPoint::{variant}) => Some(raggio_{entry}_{suffix}),"

@@ -6,10 +6,17 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use crate::cpp::variant_name;
 use crate::declarations::{Declarations, Enumeration};
 
 /// Writes `layout.rs` and `declarations.txt` into the folder `out`.
-pub fn generate(kernels: &Path, cpp_reflection: &Path, spirv_reflection: &Path, out: &Path) -> Result<(), String> {
+pub fn generate(
+    kernels: &Path,
+    entry_points: &[String],
+    cpp_reflection: &Path,
+    spirv_reflection: &Path,
+    out: &Path,
+) -> Result<(), String> {
     let declarations = Declarations::read(kernels)?;
     let cpp = parameters(cpp_reflection)?;
     let spirv = parameters(spirv_reflection)?;
@@ -32,6 +39,7 @@ pub fn generate(kernels: &Path, cpp_reflection: &Path, spirv_reflection: &Path, 
     text += &index_checks(&scene_cpp, &declarations)?;
     text += &places(&cpp, &spirv, &scene_cpp, &scene_spirv)?;
     text += &enumerations_and_constants(&declarations);
+    text += &entry_point_names(entry_points);
     // Kernels that are compiled later are compared with these: `raggio_kernels::compile`.
     std::fs::write(out.join("declarations.txt"), declarations.text())
         .and_then(|()| std::fs::write(out.join("layout.rs"), text))
@@ -252,6 +260,27 @@ fn enumerations_and_constants(declarations: &Declarations) -> String {
         let _ = writeln!(text, "/// `{name}` of the kernels.\npub const {name}: u32 = {value};");
     }
     text
+}
+
+/// Writes `EntryPoint`, the list of the kernels.
+fn entry_point_names(entry_points: &[String]) -> String {
+    let each = |line: &dyn Fn(&str, &str) -> String| -> String {
+        entry_points.iter().map(|entry| line(&variant_name(entry), entry)).collect()
+    };
+    let declared = each(&|variant, entry| format!("    /// `kernels/entry/{entry}.slang`.\n    {variant},\n"));
+    let listed = each(&|variant, _| format!("Self::{variant}, "));
+    let named = each(&|variant, entry| format!("            Self::{variant} => \"{entry}\",\n"));
+    format!(
+        "/// Kernels by the names of their entry points, the files of `kernels/entry`.\n\
+         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]\n\
+         pub enum EntryPoint {{\n{declared}}}\n\n\
+         impl EntryPoint {{\n\
+         \x20   /// All kernels, in alphabetical order.\n\
+         \x20   pub const ALL: [Self; {}] = [{listed}];\n\n\
+         \x20   /// Name of the entry point, in the SPIR-V module too.\n\
+         \x20   pub fn name(self) -> &'static str {{\n        match self {{\n{named}        }}\n    }}\n}}\n",
+        entry_points.len()
+    )
 }
 
 /// Names of an enumeration's variants.

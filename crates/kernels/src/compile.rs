@@ -33,22 +33,30 @@ pub enum CompileError {
 ///
 /// All that they share with the host must be as it was when this program was built.
 pub fn spirv(folder: &Path) -> Result<Spirv, CompileError> {
-    let (code, shared) = compile(folder).map_err(CompileError::Failed)?;
-    let reflection = include_str!(concat!(env!("OUT_DIR"), "/kernels.json"));
-    let declarations = include_str!(concat!(env!("OUT_DIR"), "/declarations.txt"));
-    let built = shared_with_host(reflection, declarations).map_err(CompileError::Failed)?;
+    let unreadable = |e: std::io::Error| format!("cannot read the kernels in {}: {e}", folder.display());
+    let kernels = folder.canonicalize().map_err(unreadable).map_err(CompileError::Failed)?;
+    // Declarations are found without the compiler, which takes seconds.
+    let declarations = Declarations::read(&kernels).map_err(CompileError::Failed)?.text();
+    let lines = |text: &str| text.lines().map(str::to_owned).collect::<Vec<_>>();
+    same(&lines(&declarations), &lines(include_str!(concat!(env!("OUT_DIR"), "/declarations.txt"))))?;
 
-    let new = shared.iter().find(|line| !built.contains(line));
-    match new.or_else(|| built.iter().find(|line| !shared.contains(line))) {
+    let (code, reflection) = compile(&kernels).map_err(CompileError::Failed)?;
+    let reflected = |json: &str| reflected(json).map_err(CompileError::Failed);
+    same(&reflected(&reflection)?, &reflected(include_str!(concat!(env!("OUT_DIR"), "/kernels.json")))?)?;
+    Ok(code)
+}
+
+/// Checks that what the kernels share with the host is what it was; each line begins with a name and a colon.
+fn same(found: &[String], built: &[String]) -> Result<(), CompileError> {
+    let new = found.iter().find(|line| !built.contains(line));
+    match new.or_else(|| built.iter().find(|line| !found.contains(line))) {
         Some(line) => Err(CompileError::Changed(line.split(": ").next().unwrap_or_default().to_owned())),
-        None => Ok(code),
+        None => Ok(()),
     }
 }
 
-/// Compiles the kernels in `folder` to SPIR-V, and lists what they share with the host.
-fn compile(folder: &Path) -> Result<(Spirv, Vec<String>), String> {
-    let unreadable = |e: std::io::Error| format!("cannot read the kernels in {}: {e}", folder.display());
-    let kernels = folder.canonicalize().map_err(unreadable)?;
+/// Compiles the kernels in the folder `kernels` to SPIR-V; returns the compiler's reflection beside it.
+fn compile(kernels: &Path) -> Result<(Spirv, String), String> {
     // The build has warned of an untested version; one that lays out differently is found by the comparison.
     let slangc = slangc::find(&Path::new(FOLDER).join(".."), |_| ())?;
 
@@ -57,7 +65,7 @@ fn compile(folder: &Path) -> Result<(Spirv, Vec<String>), String> {
     let lost = |e: std::io::Error| format!("cannot read what slangc wrote: {e}");
     let compile = |variant: usize| {
         let code = output.with_extension(slangc::VARIANTS[variant].0);
-        slangc::compile(&slangc, &kernels, Target::Spirv(variant), &code)?;
+        slangc::compile(&slangc, kernels, Target::Spirv(variant), &code)?;
         std::fs::read(code).map_err(lost)
     };
     let modules: Vec<_> = std::thread::scope(|scope| {
@@ -72,16 +80,14 @@ fn compile(folder: &Path) -> Result<(Spirv, Vec<String>), String> {
         *code = module?.into();
     }
     let reflection = std::fs::read_to_string(output.with_extension("json")).map_err(lost)?;
-    let shared = shared_with_host(&reflection, &Declarations::read(&kernels)?.text())?;
-    Ok((spirv, shared))
+    Ok((spirv, reflection))
 }
 
-/// Lists structures, parameters, entry points, enumerations and constants, a line each: the name, a colon, all there is
-/// to know.
-fn shared_with_host(reflection: &str, declarations: &str) -> Result<Vec<String>, String> {
+/// Lists structures, parameters and entry points, a line each: the name, a colon, all there is to know. Enumerations and
+/// constants are missing from the reflection.
+fn reflected(reflection: &str) -> Result<Vec<String>, String> {
     let json: Value = serde_json::from_str(reflection).map_err(|e| format!("slangc's reflection is not JSON: {e}"))?;
-    // Enumerations and constants are missing from the reflection.
-    let mut lines = declarations.lines().map(str::to_owned).collect();
+    let mut lines = vec![];
     add_structures(&json, &mut lines);
     for list in ["parameters", "entryPoints"] {
         lines.extend(json[list].as_array().into_iter().flatten().map(line));

@@ -137,9 +137,6 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
     let first = work.first_row.checked_sub(work.band_row).expect("the work begins inside its band");
     let pixels = work.width as usize * (first as usize + work.rows as usize);
     let large_enough = match entry {
-        EntryPoint::Path | EntryPoint::Reference | EntryPoint::Inspect => {
-            buffers.film.len() >= pixels && (work.adaptive == 0 || buffers.resting.len() >= resting_words(work))
-        }
         EntryPoint::Display => {
             let image = work.width as usize * (work.first_row as usize + work.rows as usize);
             let referred = work.comparison == Comparison::Off as u32 || buffers.input.len() >= image;
@@ -149,6 +146,8 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
             let count = work.count as usize;
             buffers.input.len() >= 3 * count && buffers.output.len() >= 12 * count
         }
+        // All others add samples to the film.
+        _ => buffers.film.len() >= pixels && (work.adaptive == 0 || buffers.resting.len() >= resting_words(work)),
     };
     assert!(large_enough, "the buffers are smaller than the work");
 

@@ -65,43 +65,12 @@ pub const IMAGE_GROUP: u32 = 8;
 /// Threads in a workgroup of the probe kernel.
 pub const PROBE_GROUP: u32 = 64;
 
-/// Kernels by the names of their entry points.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum EntryPoint {
-    /// Adds samples to the film, sampling lights at every vertex of a path.
-    Path,
-    /// Adds samples to the film, and finds light by chance alone.
-    Reference,
-    /// Adds samples of features of what the camera's rays meet first.
-    Inspect,
-    /// Turns the film into displayable pixels.
-    Display,
-    /// Evaluates a single function for many arguments.
-    Probe,
-}
-
 impl EntryPoint {
-    /// All kernels, in order.
-    pub const ALL: [Self; 5] = [Self::Path, Self::Reference, Self::Inspect, Self::Display, Self::Probe];
-
-    /// Name of the entry point in the SPIR-V module.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Path => "path",
-            Self::Reference => "reference",
-            Self::Inspect => "inspect",
-            Self::Display => "display",
-            Self::Probe => "probe",
-        }
-    }
-
-    /// Number of workgroups that cover the work, in x, y, z.
+    /// Number of workgroups that cover the work, in x, y, z: a thread is a question, or a pixel.
     pub fn groups(self, work: &Work) -> [u32; 3] {
         match self {
-            Self::Path | Self::Reference | Self::Inspect | Self::Display => {
-                [work.width.div_ceil(IMAGE_GROUP), work.rows.div_ceil(IMAGE_GROUP), 1]
-            }
             Self::Probe => [work.count.div_ceil(PROBE_GROUP), 1, 1],
+            _ => [work.width.div_ceil(IMAGE_GROUP), work.rows.div_ceil(IMAGE_GROUP), 1],
         }
     }
 }

@@ -33,9 +33,11 @@ fn changed(name: &str) -> Result<Spirv, CompileError> {
     Err(CompileError::Changed(name.into()))
 }
 
+/// The folder's own kernels take the same way; that a comment is new as well costs no further run of the compiler.
 #[test]
-fn unchanged_kernels_are_those_of_the_build() {
-    assert!(spirv(Path::new(FOLDER)).expect("they compile") == SPIRV);
+fn kernels_whose_comments_alone_are_new_are_those_of_the_build() {
+    let code = edited("shapes/list.slang", "enum ShapeKind : uint\n{\n", "enum ShapeKind : uint\n{\n    // New.\n");
+    assert!(code.expect("they compile") == SPIRV);
 }
 
 #[test]
@@ -54,12 +56,6 @@ fn what_the_host_knows_may_not() {
     assert_eq!(edited("entry/path.slang", "[numthreads(8, 8, 1)]", "[numthreads(4, 8, 1)]"), changed("path"));
     let sentence = CompileError::Changed("View".into()).to_string();
     assert_eq!(sentence, "`View` of the kernels changed: rebuild the program");
-}
-
-#[test]
-fn comments_of_enumerations_may_change() {
-    let code = edited("shapes/list.slang", "enum ShapeKind : uint\n{\n", "enum ShapeKind : uint\n{\n    // New.\n");
-    assert!(code.expect("it compiles") == SPIRV);
 }
 
 #[test]

@@ -22,7 +22,8 @@ fn real_hands_select_delete_and_save() {
     let Some(screen) = Screen::new().filter(|_| can_draw()) else { return };
     let desk = Desk::new(SCENE);
     // The script only keeps the window open, and says when it is there.
-    let script = "wait 1 samples\nscreenshot ready.png\nwait 1 frames\nwait 1 saves\nscreenshot after.png\nwait 2 frames";
+    let script =
+        "wait 1 samples\nscreenshot ready.png\nwait 1 frames\nwait 1 saves\nscreenshot after.png\nwait 2 frames";
     let mut run = desk.start(script, &["--device", "cpu", "--size", "640x400"], Some(&screen));
     run.wait_for(&desk.path("ready.png"));
 

@@ -3,9 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Names of the entry points: each is a file of its name in `kernels/entry/`.
-pub const ENTRY_POINTS: [&str; 5] = ["path", "reference", "inspect", "display", "probe"];
-
 /// The version that the kernels are tested with; layouts and generated C++ depend on it.
 const VERSION: &str = "2026.14.1";
 
@@ -40,11 +37,26 @@ impl Target {
     }
 }
 
+/// Entry points of `kernels`, in alphabetical order: each is a file of its name in the folder `entry`.
+pub fn entry_points(kernels: &Path) -> Result<Vec<String>, String> {
+    let folder = kernels.join("entry");
+    let unreadable = |e: std::io::Error| format!("cannot read {}: {e}", folder.display());
+    let mut names = vec![];
+    for entry in std::fs::read_dir(&folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        if path.extension().is_some_and(|ending| ending == "slang") {
+            names.extend(path.file_stem().and_then(|stem| stem.to_str()).map(str::to_owned));
+        }
+    }
+    names.sort();
+    Ok(names)
+}
+
 /// Compiles the entry points of `kernels` into the file `code`; their reflection stands beside that, with the ending
 /// `json`. Warnings of the compiler are returned.
 pub fn compile(slangc: &Path, kernels: &Path, target: Target, code: &Path) -> Result<String, String> {
     let mut command = Command::new(slangc);
-    for entry in ENTRY_POINTS {
+    for entry in entry_points(kernels)? {
         command.arg(kernels.join(format!("entry/{entry}.slang")));
     }
     command.arg("-I").arg(kernels);

@@ -74,13 +74,10 @@ pub trait Session: Send {
     fn patience_seconds(&self) -> f64;
 }
 
-/// The kernel that adds samples to the film of `feature`.
+/// Kernel that adds samples to the film of `feature`. The kernel of an integrator has its name.
 pub(crate) fn sampling(integrator: Integrator, feature: Feature) -> EntryPoint {
-    match (feature, integrator) {
-        (Feature::Radiance, Integrator::Path) => EntryPoint::Path,
-        (Feature::Radiance, Integrator::Reference) => EntryPoint::Reference,
-        _ => EntryPoint::Inspect,
-    }
+    let kernel = EntryPoint::ALL.into_iter().find(|entry| entry.name() == integrator.name());
+    if feature == Feature::Radiance { kernel.expect("tests see to it that there is one") } else { EntryPoint::Inspect }
 }
 
 /// Arguments of a probe.
@@ -121,4 +118,19 @@ pub struct DeviceInfo {
     pub memory_bytes: Option<u64>,
     /// What it lacks to run the kernels.
     pub missing: Vec<String>,
+}
+
+#[cfg(test)]
+mod tests {
+    use raggio_choice::Choice;
+
+    use super::*;
+
+    #[test]
+    fn every_integrator_has_a_kernel() {
+        for integrator in Integrator::ALL {
+            assert_eq!(sampling(*integrator, Feature::Radiance).name(), integrator.name());
+            assert_eq!(sampling(*integrator, Feature::Normal), EntryPoint::Inspect);
+        }
+    }
 }
