@@ -56,8 +56,8 @@ pub fn scores(reference: &Image, film: &Film) -> Vec<f64> {
     assert_eq!((reference.width as usize, reference.height as usize), (width, height), "pictures of different sizes");
     let luminance = |&[red, green, blue]: &[f32; 3]| 0.2126 * red + 0.7152 * green + 0.0722 * blue;
     let corners = (0..height / BLOCK).flat_map(|y| (0..width / BLOCK).map(move |x| (y * BLOCK, x * BLOCK)));
-    let score = |(top, left)| {
-        let (mut error, mut variance) = (0.0, 0.0);
+    let score = |(top, left): (usize, usize)| {
+        let (mut error, mut variance) = (0.0, 0f64);
         for i in 0..BLOCK * BLOCK {
             let place = (top + i / BLOCK) * width + left + i % BLOCK;
             let pixel = &film.pixels()[place];

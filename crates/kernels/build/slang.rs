@@ -31,7 +31,9 @@ impl Slang {
     pub fn compile(&self, cache: &Cache, target: Target, code: &Path) -> Result<(), String> {
         let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let files = [name(code), name(&code.with_extension("json"))];
-        let (key, out) = ([&self.key, &*format!("{target:?}")], code.parent().unwrap_or(Path::new("")));
+        // Arguments as they would be in any folder.
+        let arguments = slangc::arguments(Path::new(""), &slangc::entry_points(&self.kernels)?, target);
+        let (key, out) = ([&self.key, &*format!("{arguments:?}")], code.parent().unwrap_or(Path::new("")));
         cache.get(&key, out, &files, || {
             let messages = slangc::compile(&self.slangc, &self.kernels, target, code)?;
             for line in messages.lines().filter(|line| line.starts_with("warning")) {

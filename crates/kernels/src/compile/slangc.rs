@@ -1,5 +1,6 @@
 //! Finds and runs `slangc`; for the build script too, so that kernels are compiled in one way only.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -52,20 +53,24 @@ pub fn entry_points(kernels: &Path) -> Result<Vec<String>, String> {
     Ok(names)
 }
 
+/// Arguments of the compiler but for the files that it writes.
+pub fn arguments(kernels: &Path, entry_points: &[String], target: Target) -> Vec<OsString> {
+    let files = entry_points.iter().map(|entry| kernels.join(format!("entry/{entry}.slang")).into_os_string());
+    let folder = ["-I".into(), kernels.into()];
+    // C layout and rows first: then SPIR-V, C++ and Rust's repr(C) agree.
+    let layout = ["-fvk-use-c-layout", "-matrix-layout-row-major"];
+    // 41035 warns of arrays that are filled as they are used, such as the traversal's stack.
+    let messages = ["-line-directive-mode", "none", "-warnings-disable", "41035"];
+    let options = layout.into_iter().chain(messages).chain(target.arguments()).map(OsString::from);
+    files.chain(folder).chain(options).collect()
+}
+
 /// Compiles the entry points of `kernels` into the file `code`; their reflection stands beside that, with the ending
 /// `json`. Warnings of the compiler are returned.
 pub fn compile(slangc: &Path, kernels: &Path, target: Target, code: &Path) -> Result<String, String> {
     let mut command = Command::new(slangc);
-    for entry in entry_points(kernels)? {
-        command.arg(kernels.join(format!("entry/{entry}.slang")));
-    }
-    command.arg("-I").arg(kernels);
-    // C layout and rows first: then SPIR-V, C++ and Rust's repr(C) agree.
-    command.args(["-fvk-use-c-layout", "-matrix-layout-row-major"]);
-    // 41035 warns of arrays that are filled as they are used, such as the traversal's stack.
-    command.args(["-line-directive-mode", "none", "-warnings-disable", "41035"]);
-    command.args(target.arguments()).arg("-o").arg(code);
-    command.arg("-reflection-json").arg(code.with_extension("json"));
+    command.args(arguments(kernels, &entry_points(kernels)?, target));
+    command.arg("-o").arg(code).arg("-reflection-json").arg(code.with_extension("json"));
     let result = command.output().map_err(|e| format!("cannot run {}: {e}", slangc.display()))?;
     let messages = String::from_utf8_lossy(&result.stderr).into_owned();
     if !result.status.success() {
