@@ -25,7 +25,7 @@ pub enum Command {
     #[cfg(not(feature = "window"))]
     #[command(hide = true)]
     View {
-        /// Whatever a build with a window takes
+        /// Arguments that a build with a window takes
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<std::ffi::OsString>,
     },
@@ -44,7 +44,7 @@ pub enum Command {
     Schema,
     /// Print a script that completes raggio's commands and options in a shell
     Completions {
-        /// bash, zsh, fish, elvish or powershell
+        /// Name of the shell: bash, zsh, fish, elvish or powershell
         shell: clap_complete::Shell,
     },
     /// Write the manual pages, raggio.1 and one for each command
@@ -66,7 +66,7 @@ pub struct RenderArguments {
     pub machine: MachineArguments,
     #[command(flatten)]
     pub overrides: Overrides,
-    /// How light is followed
+    /// Way of following light
     #[arg(long, value_name = "NAME", value_parser = one_of::<Integrator>(), default_value_t = Integrator::Path)]
     pub integrator: Integrator,
     #[command(flatten)]
@@ -83,7 +83,7 @@ pub struct RenderArguments {
     /// Brighten (or darken) PNGs by this many stops
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
     pub exposure: f32,
-    /// How PNGs squeeze radiance into what a display can show
+    /// Curve that squeezes radiance into what a display can show, for PNGs
     #[arg(long, value_name = "NAME", value_parser = one_of::<ToneMapper>(), default_value_t = ToneMapper::Neutral)]
     pub tone_mapper: ToneMapper,
 }
@@ -164,7 +164,7 @@ impl AssetArguments {
 /// Machine to render on, and how loudly.
 #[derive(Args)]
 pub struct MachineArguments {
-    /// auto, cpu, vulkan or vulkan:N (as `raggio devices` numbers them); auto is a GPU if there is one, else the CPU
+    /// Device: auto, cpu, vulkan or vulkan:N (N as in `raggio devices`); auto is a GPU if there is one, else the CPU
     #[arg(long, value_name = "DEVICE", default_value_t = DeviceChoice::Auto)]
     pub device: DeviceChoice,
     /// Threads of the cpu device [default: one for each core]
@@ -198,7 +198,7 @@ pub struct Overrides {
     /// Most rays along one path, the camera's included; 0 sets no limit
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=65535))]
     pub max_depth: Option<u32>,
-    /// Selects the random numbers: another seed is another picture of the same noise level
+    /// Seed of the random numbers: another seed is another picture of the same noise level
     #[arg(long, value_name = "N")]
     pub seed: Option<u32>,
     /// Source of the random numbers [default: sobol]

@@ -9,9 +9,9 @@ use raggio_viewer::ViewError;
 /// Failure of the program. Whose fault it is decides the exit status; the text is one sentence for the user.
 #[derive(Debug)]
 pub enum Failure {
-    /// The scene, the arguments or the place to write to: status 2.
+    /// Fault of the scene, the arguments or the place to write to: status 2.
     Input(String),
-    /// The device: status 3.
+    /// Fault of the device: status 3.
     Device(String),
 }
 

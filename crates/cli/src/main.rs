@@ -18,7 +18,7 @@ use clap::Parser;
 use args::{Arguments, Command};
 
 fn main() -> ExitCode {
-    // What a user cannot do anything about is still one sentence, not a backtrace, and a status of the documented ones.
+    // A fault that no user can mend is still one sentence, not a backtrace, and a status of the documented ones.
     std::panic::set_hook(Box::new(|info| {
         output::say(format_args!("error: raggio has a fault of its own, please report it: {info}"));
         std::process::exit(3);

@@ -1,4 +1,4 @@
-//! `raggio completions` and `raggio manual`: what `make install` puts beside the program.
+//! The commands `raggio completions` and `raggio manual`: what `make install` puts beside the program.
 
 use std::path::Path;
 

@@ -3,12 +3,12 @@
 use std::fmt::Display;
 use std::io::Write;
 
-/// A line on standard output: what was asked for.
+/// Prints a line on standard output: what was asked for.
 pub fn print(line: impl Display) {
     let _ = writeln!(std::io::stdout(), "{line}");
 }
 
-/// A line on standard error: how it goes.
+/// Prints a line on standard error: how it goes.
 pub fn say(line: impl Display) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }

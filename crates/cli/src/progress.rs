@@ -31,7 +31,7 @@ impl Reporter {
         }
     }
 
-    /// A line of its own, above the bar.
+    /// Prints a line of its own, above the bar.
     pub fn say(&self, line: &str) {
         match self {
             Self::Quiet => {}
@@ -64,7 +64,7 @@ impl Reporter {
         }
     }
 
-    /// Figures of a render that is over; `target` samples a pixel were asked for.
+    /// Prints figures of a render that is over; `target` samples a pixel were asked for.
     pub fn report(&self, film: &Film, progress: &Progress, target: u32) {
         if film.clamped_share() > 0.0 {
             self.say(&format!("clamping took {:.2} % of the light off", 100.0 * film.clamped_share()));
@@ -99,7 +99,7 @@ fn describe(progress: &Progress, target: u32) -> String {
     format!("{}/{target} samples  {} samples/s  {} left", progress.samples, millions(rate), duration(left))
 }
 
-/// `12.3 M`.
+/// Count in millions: `12.3 M`.
 fn millions(count: f64) -> String {
     let count = count / 1e6;
     let digits = if count < 10.0 {
@@ -112,7 +112,7 @@ fn millions(count: f64) -> String {
     format!("{count:.digits$} M")
 }
 
-/// `8.4 s`, `3 min 20 s`, `2 h 5 min`.
+/// Duration in words: `8.4 s`, `3 min 20 s`, `2 h 5 min`.
 fn duration(seconds: f64) -> String {
     let whole = seconds.round().min(1e9) as u64;
     match whole {

@@ -1,4 +1,4 @@
-//! `raggio render` and `raggio demo`: arguments in, a render of the library, words out.
+//! The commands `raggio render` and `raggio demo`: arguments in, a render of the library, words out.
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -19,14 +19,14 @@ use crate::stats::Stats;
 
 const SHOWCASE: &str = include_str!("../../../scenes/showcase.toml");
 
-/// `raggio render`.
+/// Runs `raggio render`.
 pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
     let start = Instant::now();
     let mut assets = Assets::new(arguments.assets.options(arguments.overrides.size));
     let mut scene = Scene::load_with(&arguments.scene, &mut assets)?;
     scene.render.integrator = arguments.integrator;
     let outputs = if arguments.output.is_empty() {
-        // Appended, for `a.b.toml` is not to become `a.png`.
+        // The ending is appended, for `a.b.toml` is not to become `a.png`.
         let mut name = arguments.scene.file_stem().unwrap_or_default().to_owned();
         name.push(".png");
         vec![PathBuf::from(name)]
@@ -44,7 +44,7 @@ pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
     run(start, scene, request, &files, &arguments.machine, &arguments.overrides)
 }
 
-/// `raggio demo`.
+/// Runs `raggio demo`.
 pub fn demo(arguments: &DemoArguments) -> Result<(), Failure> {
     let start = Instant::now();
     let mut scene = Scene::parse(SHOWCASE, "showcase.toml")?;
@@ -107,7 +107,7 @@ fn run(
     let rendering = Rendering::begin(&scene, &*device, request)?;
     let setup_seconds = start.elapsed().as_secs_f64();
     let samples = rendering.samples().end;
-    // How long it takes until the noise is low, nobody knows.
+    // Nobody knows how long it takes until the noise is low.
     let reporter = Reporter::new(machine.quiet, if stop.noise.is_none() { samples } else { UNLIMITED });
     let (width, height) = (scene.render.width, scene.render.height);
     reporter.say(&format!("{width}x{height}, {} on {}", describe_end(samples, &stop), device.name()));

@@ -1,4 +1,4 @@
-//! `raggio view`.
+//! The command `raggio view`: arguments in, a window of the viewer, figures out.
 
 use raggio_viewer::{Options, Report, view as open};
 use serde_json::json;

@@ -1,4 +1,4 @@
-//! What a picture consists of besides its colours, and when it is good enough.
+//! Contents of a picture besides its colours, and the noise at which it is good enough.
 
 use std::path::Path;
 use std::process::Command;

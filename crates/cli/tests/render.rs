@@ -97,7 +97,7 @@ fn the_command_line_overrides_the_scene() {
     assert_eq!((&stats["width"], &stats["height"]), (&20.into(), &30.into()));
     assert_eq!((&stats["samples_per_pixel"], &stats["max_depth"], &stats["shapes"]), (&3.into(), &2.into(), &1.into()));
     let rays = stats["rays"].as_u64().expect("a count");
-    // At least the camera's ray of each sample, at most one more.
+    // Each sample traces the camera's ray, and at most one more.
     assert!((1800..=3600).contains(&rays), "{rays} rays");
 }
 
@@ -283,7 +283,7 @@ fn automatic_choice_renders_everywhere_and_validation_is_silent() {
         .expect("raggio starts");
     let said = text(&output.stderr);
     if said.contains("needs the Vulkan validation layers") {
-        // Told, not passed over.
+        // Validation layers that are missing are told, not passed over.
         assert_eq!(output.status.code(), Some(3));
         return;
     }

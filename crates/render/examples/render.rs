@@ -1,4 +1,4 @@
-//! From a scene file to a picture: `cargo run --release -p raggio-render --example render -- scene.toml picture.png`.
+//! Renders a scene file: `cargo run --release -p raggio-render --example render -- scene.toml picture.png`.
 
 use std::error::Error;
 use std::ops::ControlFlow;

@@ -1,4 +1,4 @@
-//! How fast hierarchies are built and followed: a bumpy sphere of 20 * 4^LEVEL triangles on a square of two.
+//! Speed at which hierarchies are built and followed: a bumpy sphere of 20 * 4^LEVEL triangles on a square of two.
 //!
 //! `cargo run --release -p raggio-render --example rock -- [cpu|vulkan] [LEVEL ...]` prints a row for each level: seconds
 //! to translate the scene (the hierarchy above all), bytes that the device holds per triangle, rays per second.
@@ -53,7 +53,7 @@ fn icosahedron() -> (Vec<DVec3>, Vec<[u32; 3]>) {
     (corners, faces)
 }
 
-/// Each triangle becomes four, on the sphere.
+/// Splits each triangle into four, on the sphere.
 fn subdivide(points: &mut Vec<DVec3>, faces: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let mut middles = HashMap::with_capacity(faces.len() * 3 / 2);
     let mut finer = Vec::with_capacity(faces.len() * 4);

@@ -1,10 +1,10 @@
-//! From a scene to a picture, on any device.
+//! Rendering: the way of a scene to a picture, on any device.
 //!
-//! `Scene -> DeviceScene -> kernels -> Film -> file`: [`DeviceScene`] is the scene as flat buffers, a [`Device`] makes it
-//! resident and adds samples to a [`Film`], [`Renderer`] does so in portions that leave the machine usable, and
+//! `Scene -> DeviceScene -> kernels -> Film -> file`: [`DeviceScene`] is the scene as flat buffers, a [`Device`] makes
+//! it resident and adds samples to a [`Film`], [`Renderer`] does so in portions that leave the machine usable, and
 //! [`ImageFile`] writes the result. Nothing above [`Device`] knows whether it is a CPU or a GPU.
 //!
-//! Who wants a picture fills in a [`RenderRequest`]; a [`Rendering`] goes all of that way and tells an [`Observer`].
+//! A front end fills in a [`RenderRequest`]; a [`Rendering`] goes all of that way and tells an [`Observer`].
 
 mod devices;
 mod pictures;

@@ -15,8 +15,9 @@ use crate::translation::device_scene::DeviceScene;
 
 /// Adds samples to the film that a session shows, a portion at a time: each as long as the device has patience for.
 ///
-/// Portions and passes never change the picture: a sample's random numbers depend on its pixel and number alone. Renderers of
-/// ranges that follow each other make films that [merge](Film::merge) to the film of the whole, bit for bit.
+/// Portions and passes never change the picture: a sample's random numbers depend on its pixel and number alone.
+/// Renderers of ranges that follow each other make films that [merge](Film::merge) to the film of the whole, bit for
+/// bit.
 pub struct Renderer {
     session: Box<dyn Session>,
     width: u32,
@@ -29,7 +30,7 @@ pub struct Renderer {
     identity: Identity,
 }
 
-/// What a film's label says of its scene. Hashing a large scene takes a while, and not all films need a label.
+/// Identity of a scene in the labels of its films. Hashing a large scene takes a while, and not all films need a label.
 struct Identity {
     buffers: SceneBuffers,
     settings: RenderSettings,
@@ -46,35 +47,35 @@ struct Adaptive {
     judgement: u32,
 }
 
-/// How far a film has come, and how fast.
+/// Progress of a film, and its speed.
 struct Course {
-    /// The pass under way adds these samples to every pixel...
+    /// Samples that the pass under way adds to every pixel.
     pass: Range<u32>,
-    /// ...and has come as far as this row.
+    /// Row that the pass under way has come to; the picture's height once it is finished.
     row: u32,
     /// Rate of the last portion, in samples per second; before the first a guess that is safe for any device.
     rate: f64,
-    /// Rate of the slowest portion of the pass under way, and of the pass before: rows of glass cost many times what rows of
-    /// sky do.
+    /// Rate of the slowest portion of the pass under way, and of the pass before: rows of glass cost many times what
+    /// rows of sky do.
     slowest: f64,
     slowest_before: f64,
     sampling: Duration,
-    /// Samples that were added in that time, in all pixels together.
+    /// Number of samples that were added in the time of `sampling`, in all pixels together.
     total: u64,
 }
 
 const SHORTEST_MEASURE: Duration = Duration::from_millis(1);
 
-/// How far a render has come.
+/// Progress of a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// Number of samples that every pixel has.
     pub samples: u32,
-    /// Samples in all pixels together.
+    /// Number of samples in all pixels together.
     pub total_samples: u64,
     /// Part of the whole that is done, 0 to 1.
     pub fraction: f64,
-    /// Time spent sampling.
+    /// Time spent sampling, in seconds.
     pub seconds: f64,
 }
 
@@ -96,26 +97,26 @@ impl Renderer {
     }
 
     /// Gives pixels no more samples than bring the relative standard error of their block's luminance below `noise`:
-    /// see [`Blocks`]. To be called before the first sample.
+    /// see [`Blocks`]. Has to be called before the first sample.
     pub fn set_noise(&mut self, noise: f64) {
         let blocks = Blocks::new(self.width, self.height);
         let active = u64::from(self.width) * u64::from(self.height);
         self.adaptive = Some(Adaptive { noise, blocks, active, judgement: next_judgement(0) });
     }
 
-    /// What adapts the film that is shown.
+    /// Adaptive sampling of the film that is shown, if it is sampled so.
     fn adaptive(&self) -> Option<&Adaptive> {
         self.adaptive.as_ref().filter(|_| self.feature() == Feature::Radiance)
     }
 
-    /// True once every pixel has all its samples.
+    /// Whether every pixel has all its samples.
     pub fn finished(&self) -> bool {
         let course = self.courses.shown();
         let rested = self.adaptive().is_some_and(|adaptive| adaptive.active == 0);
         course.row == self.height && (course.pass.end >= self.samples.end || rested)
     }
 
-    /// Between passes: finds out which blocks need no more samples, if it is time to. The answer is how many samples each
+    /// Finds out between passes which blocks need no more samples, if it is time to. Returns how many samples each
     /// pixel may get until it is time again.
     fn judge(&mut self) -> Result<u32, DeviceError> {
         let samples = self.courses.shown().pass.end - self.samples.start;
@@ -134,6 +135,9 @@ impl Renderer {
     }
 
     /// Shows the film of `feature` as [`Session::show`] does; each film goes on from where it was left.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails or has no memory for another film.
     pub fn show(&mut self, feature: Feature) -> Result<(), DeviceError> {
         // No feature takes longer than radiance.
         let rate = self.rate();
@@ -151,7 +155,10 @@ impl Renderer {
         self.courses.feature()
     }
 
-    /// Begins anew, with another scene, view or size; what it has learned of the device's speed stays.
+    /// Begins anew, with another scene, view or size; what is known of the device's speed stays.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the scene's indices are wrong, or the device fails or has no memory for it.
     pub fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
         self.session.restart(scene)?;
         (self.width, self.height) = (scene.work.width, scene.work.height);
@@ -181,7 +188,7 @@ impl Renderer {
         self.samples.end = self.samples.start.saturating_add(target);
     }
 
-    /// Samples that a pass adds to each pixel; `None`: as many as the device does in one portion.
+    /// Sets the number of samples that a pass adds to each pixel; `None`: as many as the device does in one portion.
     pub fn set_samples_per_pass(&mut self, samples: Option<u32>) {
         self.samples_per_pass = samples;
     }
@@ -198,11 +205,17 @@ impl Renderer {
     }
 
     /// Renders one portion, of the length that the device has patience for.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails.
     pub fn advance(&mut self) -> Result<Progress, DeviceError> {
         self.advance_for(f64::INFINITY)
     }
 
     /// Renders one portion that takes about `seconds`, and no longer than the device has patience for.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails.
     pub fn advance_for(&mut self, seconds: f64) -> Result<Progress, DeviceError> {
         let portion = self.rate() * seconds.min(self.session.patience_seconds());
         if self.finished() {
@@ -216,7 +229,7 @@ impl Renderer {
             let pixels = self.active_pixels();
             let course = self.courses.shown_mut();
             course.slowest_before = std::mem::replace(&mut course.slowest, f64::INFINITY);
-            // As many samples at once as one portion can give to the whole image, and at least one.
+            // A pass adds as many samples as one portion can give to the whole image, and at least one.
             let affordable = (portion / pixels) as u32;
             let most = unjudged.min(self.samples.end - course.pass.end);
             let samples = self.samples_per_pass.unwrap_or(affordable).clamp(1, most);
@@ -250,12 +263,15 @@ impl Renderer {
     }
 
     /// Renders portions for about `seconds`, though no more than one pass if passes have a [fixed
-    /// number](Self::set_samples_per_pass) of samples. True once every pixel has all its samples.
+    /// number](Self::set_samples_per_pass) of samples. Returns whether every pixel has all its samples.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails.
     pub fn run_for(&mut self, seconds: f64) -> Result<bool, DeviceError> {
         let start = Instant::now();
         while !self.finished() {
             let left = seconds - start.elapsed().as_secs_f64();
-            // What is left is too short to be worth a call.
+            // The time left is too short to be worth a call.
             if left <= 0.05 * seconds {
                 break;
             }
@@ -269,6 +285,9 @@ impl Renderer {
     }
 
     /// Renders what is left of the pass under way: then all pixels have equally many samples.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails.
     pub fn finish_pass(&mut self) -> Result<(), DeviceError> {
         while self.courses.shown().row < self.height {
             self.advance()?;
@@ -276,7 +295,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// How far it has come.
+    /// Progress of the film that is shown.
     pub fn progress(&self) -> Progress {
         let Course { pass, row, sampling, total, .. } = self.courses.shown();
         let total_samples = *total;
@@ -290,19 +309,25 @@ impl Renderer {
         }
     }
 
-    /// Pixels that take samples.
+    /// Number of pixels that take samples.
     fn active_pixels(&self) -> f64 {
         let all = u64::from(self.width) * u64::from(self.height);
         self.adaptive().map_or(all, |adaptive| adaptive.active) as f64
     }
 
-    /// The film that is shown, as it is now, without a label.
+    /// Film that is shown, as it is now, without a label.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails.
     pub fn film(&self) -> Result<Film, DeviceError> {
         self.session.film()
     }
 
-    /// The film of radiance as it is now, with its label: it can be written to a file, and merged with films of other
-    /// samples. The first time the scene is hashed, which takes a second for each few gigabytes.
+    /// Film of radiance as it is now, with its label: it can be written to a file, and merged with films of other
+    /// samples. The first call hashes the scene, which takes a second for each few gigabytes.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails.
     pub fn labelled_film(&mut self) -> Result<Film, DeviceError> {
         let shown = self.feature();
         self.show(Feature::Radiance)?;
@@ -369,7 +394,7 @@ fn settings(settings: &RenderSettings, noise: Option<f64>) -> Vec<(String, Strin
 }
 
 impl Course {
-    /// The last portion may have been of the sky alone, so that the average counts too.
+    /// Rate that is likely to last: the last portion may have been of the sky alone, so that the average counts too.
     fn lasting_rate(&self) -> f64 {
         let seconds = self.sampling.as_secs_f64();
         if seconds > 0.0 { self.rate.min(self.total as f64 / seconds) } else { self.rate }

@@ -68,7 +68,7 @@ impl Rendering {
     /// Brings `scene` to `device`.
     ///
     /// # Errors
-    /// When the picture or the scene is too large, or the device fails.
+    /// A [`RenderError`] when the picture or the scene is too large, or the device fails.
     pub fn begin(scene: &Scene, device: &dyn Device, request: RenderRequest) -> Result<Self, RenderError> {
         check_memory(scene.render.width, scene.render.height)?;
         let device_scene = DeviceScene::new(scene)?;
@@ -86,10 +86,10 @@ impl Rendering {
         self.renderer.samples()
     }
 
-    /// Samples until there is enough, `observer` breaks off, or the device fails; then come layers and guides.
+    /// Takes samples until there are enough, `observer` breaks off, or the device fails; then come layers and guides.
     ///
     /// # Errors
-    /// When the device fails and the film is lost with it.
+    /// A [`DeviceError`] when the device fails and the film is lost with it.
     pub fn run(mut self, observer: &mut dyn Observer) -> Result<Rendered, DeviceError> {
         self.warnings.iter().for_each(|warning| observer.warn(warning));
         let mut failure = self.sample(observer).err();

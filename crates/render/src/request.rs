@@ -1,4 +1,4 @@
-//! What a front end asks for, and what it hears meanwhile.
+//! Requests of front ends, and reports to them meanwhile.
 
 use std::ops::{ControlFlow, Range};
 
@@ -12,7 +12,7 @@ const MOST_ADAPTIVE_SAMPLES: u32 = 65536;
 /// Samples a pixel of a render that stops by time alone.
 pub(crate) const MOST_SAMPLES: u32 = i32::MAX as u32;
 
-/// What to make of a scene. The scene itself says size, depth, seed and filter.
+/// Request for a picture of a scene. The scene itself says size, depth, seed and filter.
 #[derive(Clone, Debug, Default)]
 pub struct RenderRequest {
     /// Name of the scene in the picture's metadata.
@@ -25,7 +25,7 @@ pub struct RenderRequest {
     pub stop: Stop,
 }
 
-/// When there are samples enough: whichever comes first.
+/// End of sampling: whichever of these limits comes first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stop {
     /// Numbers of the samples of each pixel. `None`: as many as the scene says, from 0 on; with a noise or a time limit
@@ -34,7 +34,7 @@ pub struct Stop {
     /// Relative standard error below which a part of the picture takes no more samples: see
     /// [`Renderer::set_noise`](crate::Renderer::set_noise).
     pub noise: Option<f32>,
-    /// Seconds of sampling.
+    /// Longest time of sampling, in seconds.
     pub time_limit: Option<f32>,
 }
 
@@ -54,8 +54,8 @@ pub trait Observer {
     /// Takes a warning, one sentence for the user.
     fn warn(&mut self, _warning: &str) {}
 
-    /// Takes the progress after each portion of work. [`ControlFlow::Break`] ends the render early: what there is becomes
-    /// the picture.
+    /// Takes the progress after each portion of work. [`ControlFlow::Break`] ends the render early: what there is
+    /// becomes the picture.
     fn progress(&mut self, progress: &Progress) -> ControlFlow<()>;
 }
 

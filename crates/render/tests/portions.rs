@@ -13,7 +13,7 @@ use raggio_scene::Scene;
 const WIDTH: u32 = 100;
 const HEIGHT: u32 = 70;
 
-/// What a device was asked to do.
+/// Record of what a device was asked to do.
 #[derive(Default)]
 struct Log {
     /// Samples of each row, in order of arrival.
@@ -40,7 +40,7 @@ impl Session for Clock {
         log.samples.resize(HEIGHT as usize, vec![]);
         let portion = f64::from(WIDTH) * rows.len() as f64 * samples.len() as f64;
         log.portions.push(portion);
-        // Of the picture alone.
+        // The samples of the picture alone are recorded.
         for row in rows.filter(|_| self.shown == Feature::Radiance) {
             log.samples[row as usize].push(samples.clone());
         }

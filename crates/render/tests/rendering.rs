@@ -23,7 +23,7 @@ fn cpu() -> CpuDevice {
     CpuDevice::new(CpuOptions::default()).expect("threads can be had")
 }
 
-/// Keeps what it hears, and breaks off after so many portions.
+/// Observer that keeps what it hears, and breaks off after so many portions.
 struct Ear {
     warnings: Vec<String>,
     portions: usize,
@@ -114,7 +114,7 @@ fn pictures_that_no_machine_holds_are_refused() {
     let mut scene = scene();
     (scene.render.width, scene.render.height) = (65536, 65536);
     let refused = Rendering::begin(&scene, &cpu(), RenderRequest::default());
-    // Where the system does not tell its memory, nobody knows.
+    // Nobody knows whether it is too large where the system does not tell its memory.
     if raggio_render::total_memory_bytes().is_some_and(|bytes| bytes < 300 << 30) {
         assert!(matches!(refused, Err(RenderError::TooLarge(_))));
     }

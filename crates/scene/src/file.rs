@@ -1,6 +1,6 @@
 //! Types that mirror the scene file: serde fills them, and the schema is generated from them.
 //!
-//! Their doc comments are the descriptions in the schema, so they speak to whoever writes a scene.
+//! Doc comments of these types are the descriptions in the schema, so they speak to whoever writes a scene.
 
 mod principled;
 
@@ -40,14 +40,14 @@ pub(crate) struct SceneFile {
     /// Size and quality of the picture; the command line overrides it.
     #[serde(default)]
     pub render: RenderFile,
-    /// Where the picture is taken from.
+    /// Camera that takes the picture.
     pub camera: CameraFile,
     /// Light from outside; absent: black.
     pub environment: Option<EnvironmentFile>,
     /// Materials by name.
     #[serde(default)]
     pub materials: Materials,
-    /// What there is to see, in any order.
+    /// Shapes that there are to see, in any order.
     #[serde(default)]
     pub shapes: Vec<ShapeFile>,
 }
@@ -57,19 +57,19 @@ pub(crate) struct SceneFile {
 #[serde(deny_unknown_fields, default)]
 #[schemars(rename = "Render")]
 pub(crate) struct RenderFile {
-    /// Pixels across.
+    /// Width of the picture in pixels.
     pub width: Whole<1, 65536>,
-    /// Pixels down.
+    /// Height of the picture in pixels.
     pub height: Whole<1, 65536>,
-    /// Samples of each pixel.
+    /// Number of samples of each pixel.
     pub samples: Whole<1, 2147483647>,
     /// Most rays along one path, the camera's ray included; a shadow ray counts as the ray it replaces. 0 sets no limit.
     pub max_depth: Whole<0, 65535>,
-    /// Chooses the random numbers: the same seed gives the same picture.
+    /// Seed of the random numbers: the same seed gives the same picture.
     pub seed: Whole<0, 4294967295>,
-    /// Where the random numbers come from.
+    /// Source of the random numbers.
     pub sampler: Named<Sampler>,
-    /// What a pixel's value is the mean of.
+    /// Weights with which the picture around a pixel's centre makes its value.
     pub filter: Named<Filter>,
     /// The largest channel of a sample that counts: what exceeds it is taken off, which loses light and fireflies. Absent: nothing is.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -78,12 +78,12 @@ pub(crate) struct RenderFile {
     pub surface_offset: bool,
 }
 
-/// Where the picture is taken from.
+/// Camera that takes the picture.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Camera")]
 pub(crate) struct CameraFile {
-    /// Where the camera stands.
+    /// Position of the camera.
     pub position: Point,
     /// The point in the middle of the picture.
     pub look_at: Point,
@@ -109,7 +109,7 @@ pub(crate) struct CameraFile {
 }))]
 #[schemars(rename = "Environment")]
 pub(crate) struct EnvironmentFile {
-    /// The same radiance from everywhere.
+    /// Radiance that comes from everywhere alike.
     pub color: Option<Radiance>,
     /// Radiance from straight below; needs `zenith`. A ray of unit direction D sees mix(horizon, zenith, 0.5 (D.y + 1)).
     pub horizon: Option<Radiance>,
@@ -117,13 +117,13 @@ pub(crate) struct EnvironmentFile {
     pub zenith: Option<Radiance>,
     /// Latitude-longitude image (HDR, EXR, PNG, JPEG, WebP, KTX2), its path relative to the scene file; its centre is seen along -Z, its right along +X, its top along +Y.
     pub image: Option<String>,
-    /// Turns the image about the y axis, counter-clockwise seen from above; needs `image`. Default 0.
+    /// Angle by which the image is turned about the y axis, counter-clockwise seen from above; needs `image`. Default 0.
     pub rotation_degrees: Option<Coordinate>,
-    /// Multiplies the image; needs `image`. Default 1.
+    /// Factor that multiplies the image; needs `image`. Default 1.
     pub intensity: Option<Brightness>,
 }
 
-/// How a surface reflects, transmits and emits light: `principled`, or any of the other keys.
+/// Way in which a surface reflects, transmits and emits light: `principled`, or any of the other keys.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend("if" = { "required": ["principled"] }, "then" = { "maxProperties": 1 }))]
@@ -134,30 +134,30 @@ pub(crate) struct MaterialFile {
     /// Colour of the emitted light.
     #[schemars(extend("default" = [1.0, 1.0, 1.0]))]
     pub emission_color: Option<Radiance>,
-    /// Multiplied by `emission_color` it is the emitted radiance.
+    /// Strength of the emitted light: multiplied by `emission_color` it is the emitted radiance.
     #[schemars(extend("default" = 0.0))]
     pub emission_strength: Option<Brightness>,
-    /// From 0, diffuse, to 1, a mirror; a dielectric ignores it.
+    /// Smoothness from 0, diffuse, to 1, a mirror; a dielectric ignores it.
     #[schemars(extend("default" = 0.0))]
     pub smoothness: Option<Fraction>,
-    /// Makes the material a dielectric, such as glass (1.5) or water (1.33); absent: opaque.
+    /// Refractive index, which makes the material a dielectric, such as glass (1.5) or water (1.33); absent: opaque.
     pub refractive_index: Option<RefractiveIndex>,
-    /// How often a dielectric reflects: "fresnel" (default), or one probability for every angle.
+    /// Probability that a dielectric reflects: "fresnel" (default), or one number for every angle.
     pub reflection: Option<ReflectionFile>,
-    /// Of overlapping dielectrics the one of higher priority wins; of equal ones the one entered last. Default 0.
+    /// Priority among overlapping dielectrics: the higher one wins, and of equal ones the one entered last. Default 0.
     pub priority: Option<Priority>,
     /// A physically based material with glTF's names and meanings; no other key may stand beside it.
     pub principled: Option<PrincipledFile>,
 }
 
-/// "fresnel", or a probability.
+/// Probability that a dielectric reflects: "fresnel", or a number.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "must be `\"fresnel\"` or a probability between 0 and 1")]
 #[schemars(rename = "Reflection")]
 pub(crate) enum ReflectionFile {
-    /// By Fresnel's equations.
+    /// Probability by Fresnel's equations.
     Named(ReflectionName),
-    /// The same at every angle.
+    /// Probability that is the same at every angle.
     Probability(Fraction),
 }
 
@@ -165,7 +165,7 @@ pub(crate) enum ReflectionFile {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum ReflectionName {
-    /// By Fresnel's equations.
+    /// Probability by Fresnel's equations.
     Fresnel,
 }
 
@@ -255,7 +255,7 @@ pub(crate) struct BoxFile {
     pub center: Point,
     /// Lengths of the box's sides along x, y and z, before it is turned.
     pub size: [Positive; 3],
-    /// Turns about the fixed x axis first, then y, then z.
+    /// Angles by which the box is turned, about the fixed x axis first, then y, then z.
     #[serde(default = "origin")]
     pub rotation_degrees: Point,
 }
@@ -270,12 +270,12 @@ pub(crate) struct MeshFile {
     /// Translation of the model, applied last.
     #[serde(default = "origin")]
     pub translation: Point,
-    /// Turns it about the fixed x axis first, then y, then z.
+    /// Angles by which the model is turned, about the fixed x axis first, then y, then z.
     #[serde(default = "origin")]
     pub rotation_degrees: Point,
     /// One factor, or one for each of x, y and z; not 0, negative ones mirror. Default 1.
     pub scale: Option<ScaleFile>,
-    /// Seconds from the beginning of the file's animations; absent: the pose of rest.
+    /// Moment of the file's animations, in seconds from their beginning; absent: the pose of rest.
     pub time: Option<NonNegative>,
 }
 
@@ -284,9 +284,9 @@ pub(crate) struct MeshFile {
 #[serde(untagged, expecting = "must be a number or three numbers")]
 #[schemars(rename = "Scale")]
 pub(crate) enum ScaleFile {
-    /// The same along every axis.
+    /// Factor that is the same along every axis.
     Uniform(Coordinate),
-    /// Along x, y and z.
+    /// Factors along x, y and z.
     PerAxis(Point),
 }
 

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// The program, in `folder`, on the CPU unless the arguments say otherwise.
+/// Runs the program in `folder`, on the CPU unless the arguments say otherwise.
 pub fn raggio(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_raggio")).args(arguments).current_dir(folder).output().expect("raggio starts")
 }
 
-/// A file of the project.
+/// Path of a file of the project.
 pub fn project_file(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)
 }

@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 
 use crate::common::text;
 
-/// Two programs at once on a small machine would only measure each other.
+/// Lock that a running program holds: two at once on a small machine would only measure each other.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
-/// What takes longer hangs.
+/// Longest time that a program may take: what takes longer hangs.
 const PATIENCE: Duration = Duration::from_secs(240);
 
 /// A folder with a scene; it stays when a test fails, and says where.
@@ -64,7 +64,7 @@ impl Desk {
         self.assert_valid();
     }
 
-    /// No message of the validation layers.
+    /// Asserts that the validation layers had no message.
     #[track_caller]
     pub fn assert_valid(&self) {
         let stats: serde_json::Value = serde_json::from_str(&self.read("stats.json")).expect("stats are JSON");
@@ -108,7 +108,7 @@ impl Run {
         }
     }
 
-    /// The program's number.
+    /// Number of the program's process.
     pub fn id(&self) -> u32 {
         self.child.id()
     }
@@ -148,14 +148,14 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// As `DISPLAY` has it.
+    /// Name of the screen, as `DISPLAY` has it.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// `None`, and a word about it, where there is none.
+    /// Starts a virtual screen; `None`, and a word about it, where there is none.
     pub fn new() -> Option<Self> {
-        // It looks for a free number and writes it when it is ready.
+        // Xvfb looks for a free number and writes it when it is ready.
         let arguments = ["-displayfd", "1", "-screen", "0", "1600x1000x24", "-nolisten", "tcp"];
         let started = Command::new("Xvfb")
             .args(arguments)

@@ -67,7 +67,7 @@ fn a_window_in_which_nothing_happens_takes_no_time_of_the_processor() {
     assert!(paused < 10, "{paused} hundredths of a second while it is paused");
 }
 
-/// What a user has at a desktop, on the only window of a screen.
+/// Mouse and keyboard of a user at a desktop, on the only window of a screen.
 struct Hands {
     server: RustConnection,
     root: Window,
@@ -83,7 +83,7 @@ impl Hands {
             let geometry = server.get_geometry(*window).expect("a request").reply().expect("a window");
             (u32::from(geometry.width) * u32::from(geometry.height), [geometry.x, geometry.y])
         };
-        // The largest, for toolkits make small ones of their own.
+        // The viewer's window is the largest, for toolkits make small ones of their own.
         let window = windows.into_iter().max_by_key(|window| size(window).0).expect("the viewer's window");
         let (_, corner) = size(&window);
         // There is no window manager to do it.
@@ -117,7 +117,7 @@ impl Hands {
         self.rest();
     }
 
-    /// Long enough for the window to draw a frame or two in between, as it is between the movements of a hand.
+    /// Waits long enough for the window to draw a frame or two in between, as it is between the movements of a hand.
     fn rest(&self) {
         self.server.flush().expect("the X server listens");
         std::thread::sleep(Duration::from_millis(250));

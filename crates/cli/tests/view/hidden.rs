@@ -1,4 +1,4 @@
-//! Without a window: the same frames on a canvas that nobody sees.
+//! Frames without a window: the same ones, on a canvas that nobody sees.
 
 use image::RgbImage;
 

@@ -15,7 +15,7 @@ use std::path::Path;
 
 use crate::common::read_exr;
 
-/// Noisy enough that no two samples are alike.
+/// A scene that is noisy enough that no two samples are alike.
 const SCENE: &str = r#"version = 1
 [camera] # from the front
 position = [0, 1, 4]
@@ -40,7 +40,7 @@ material = "glass"
 sphere = { center = [1.4, 0.5, 0.8], radius = 0.5 }
 "#;
 
-/// The bits of two EXRs, which have to be the same.
+/// Asserts that the bits of two EXRs are the same.
 #[track_caller]
 fn assert_same_picture(a: &Path, b: &Path) {
     let bits = |path| {

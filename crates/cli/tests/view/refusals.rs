@@ -1,4 +1,4 @@
-//! What cannot be done is said in a sentence.
+//! Refusals: a sentence says what cannot be done.
 
 use std::process::{Command, Output};
 
@@ -6,7 +6,7 @@ use crate::common::{assert_refused, folder_with, raggio, text};
 use crate::view::SCENE;
 use crate::view::desk::{Screen, can_draw};
 
-/// `raggio view scene.toml` without a desktop.
+/// Runs `raggio view scene.toml` without a desktop.
 fn view(arguments: &[&str], variables: &[(&str, &str)]) -> Output {
     let folder = folder_with(SCENE);
     std::fs::write(folder.path().join("wrong.play"), "wait 1 frames\n\nfly away").expect("a script");
@@ -39,7 +39,7 @@ fn without_a_driver_it_says_what_to_install() {
 
 #[test]
 fn mistakes_in_scripts_and_scenes_are_the_users_to_mend() {
-    // Before anything opens: not even a desktop is needed to hear of them.
+    // Mistakes are told before anything opens: not even a desktop is needed to hear of them.
     let wrong = view(&["--hidden", "--play", "wrong.play"], &[]);
     assert_refused(&wrong, "wrong.play:3: unknown word `fly`");
     let missing = view(&["--hidden", "--play", "missing.play"], &[]);

@@ -1,4 +1,4 @@
-//! In a window of a virtual screen.
+//! Scripts in a window of a virtual screen.
 
 use image::{Rgb, RgbImage};
 
@@ -79,7 +79,7 @@ fn a_hand_in_the_window_leaves_a_scene_that_renders_to_the_same_picture() {
     desk.render("saved.toml", "large-again.exr", "vulkan", (200, 150), 5);
     assert_same_picture(&desk.path("large.exr"), &desk.path("large-again.exr"));
 
-    // What the window shows is the picture, pixel for pixel, with the panel to its right.
+    // The window shows the picture, pixel for pixel, with the panel to its right.
     desk.render("saved.toml", "again.png", "vulkan", (width, height), 3);
     let window = open(&desk, "window.png");
     let picture = open(&desk, "again.png");
@@ -118,7 +118,7 @@ wait 1 frames
     let mut run = desk.start(script, &["--device", "vulkan", "--size", "640x300"], Some(&screen));
     run.wait_for(&desk.path("ready.png"));
     let replace = |text: &str| {
-        // As careful programs write: beside it first.
+        // Careful programs write beside the file first.
         std::fs::write(desk.path("new"), text).expect("the scene is written");
         std::fs::rename(desk.path("new"), desk.path("scene.toml")).expect("the scene is replaced");
     };

@@ -1,4 +1,4 @@
-//! Which parts of a picture need more samples.
+//! Adaptive sampling: the parts of a picture that need more samples.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use crate::pictures::film::Film;
 
 /// Samples a pixel before anything is judged: fewer say little about their own error.
 const FIRST: u32 = 64;
-/// An error is relative to the block's luminance and this part of the picture's: none sees noise in black.
+/// Part of the picture's luminance that a block's error is relative to besides its own: nobody sees noise in black.
 const DARKEST: f64 = 0.01;
 
 /// Samples a pixel at which blocks are judged next: 64, 80, 96, 112, 128, 160, and so on, four times in each doubling.
@@ -30,13 +30,13 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// None of them rests.
+    /// Blocks of a picture of `width` x `height` pixels, none of which rests.
     pub fn new(width: u32, height: u32) -> Self {
         let blocks = width.div_ceil(BLOCK) as usize * height.div_ceil(BLOCK) as usize;
         Self { width, height, words: vec![0; blocks.div_ceil(32)] }
     }
 
-    /// A bit for each block, row by row, as the kernels read them.
+    /// Bits of the blocks, row by row, 32 to a word, lowest first, as the kernels read them: 1 where a block rests.
     pub fn words(&self) -> &[u32] {
         &self.words
     }
@@ -47,15 +47,16 @@ impl Blocks {
         self.words[block / 32] >> (block % 32) & 1 != 0
     }
 
-    /// Pixels of `rows` that take samples.
+    /// Number of pixels of `rows` that take samples.
     pub fn active_pixels(&self, rows: Range<u32>) -> u64 {
         let width = |column: u32| u64::from(BLOCK.min(self.width - column * BLOCK));
         let row = |y: u32| (0..self.columns()).filter(|&column| !self.rests(column, y / BLOCK)).map(width).sum::<u64>();
         rows.map(row).sum()
     }
 
-    /// Lets those rest whose relative error, and that of the blocks around them, is below `noise`. One that rests does so
-    /// for good. Judging neighbours together keeps a block from resting early because it has missed what they have found.
+    /// Lets blocks rest whose relative error, and that of the blocks around them, is below `noise`. A block that rests
+    /// does so for good. Judging neighbours together keeps a block from resting early because it has missed what they
+    /// have found.
     pub(crate) fn judge(&mut self, film: &Film, noise: f64) {
         let (columns, rows) = (self.columns(), self.height.div_ceil(BLOCK));
         let least = DARKEST * mean_luminance(film, 0..self.width, 0..self.height);

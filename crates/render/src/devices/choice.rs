@@ -1,4 +1,4 @@
-//! Which devices there are, and which one is meant.
+//! Devices of this machine, and the choice of one.
 
 use std::fmt;
 use std::str::FromStr;
@@ -10,7 +10,7 @@ use crate::devices::cpu::{CpuDevice, CpuOptions};
 use crate::devices::device::{Device, DeviceError, DeviceInfo};
 use crate::devices::vulkan::VulkanDevice;
 
-/// Which device is wanted.
+/// A device as users ask for it: `auto`, `cpu`, `vulkan` or `vulkan:N`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeviceChoice {
     /// A discrete or integrated GPU if there is one, the CPU otherwise.
@@ -49,7 +49,7 @@ impl fmt::Display for DeviceChoice {
     }
 }
 
-/// All devices of this machine, and why Vulkan has none if it cannot be used.
+/// All devices of this machine, the CPU first, and the error of Vulkan if it cannot be used.
 pub fn devices() -> (Vec<DeviceInfo>, Option<DeviceError>) {
     let mut found = vec![CpuDevice::info()];
     let listed = Instance::new(false).and_then(|instance| instance.devices());
@@ -69,12 +69,12 @@ pub fn devices() -> (Vec<DeviceInfo>, Option<DeviceError>) {
     }
 }
 
-/// How devices are opened.
+/// Options for opening a device.
 #[derive(Clone, Default)]
 pub struct OpenOptions {
-    /// How the CPU is used.
+    /// Options of the CPU.
     pub cpu: CpuOptions,
-    /// Turns Vulkan's validation layers on.
+    /// Whether Vulkan's validation layers are on.
     pub validate: bool,
     /// A connection to Vulkan that exists already, such as a window's; it has its own validation.
     pub instance: Option<Arc<Instance>>,
@@ -90,6 +90,9 @@ impl OpenOptions {
 }
 
 /// Opens the device that `choice` asks for. `warn` hears why `auto` passes over a GPU.
+///
+/// # Errors
+/// A [`DeviceError`] when there is no such device, it cannot run the kernels, or validation cannot be had.
 pub fn open(choice: DeviceChoice, options: OpenOptions, warn: impl Fn(&str)) -> Result<Box<dyn Device>, DeviceError> {
     let gpu = match choice {
         DeviceChoice::Cpu => None,

@@ -19,10 +19,10 @@ use crate::pictures::film::Film;
 use crate::pictures::linear_image::Image;
 use crate::translation::device_scene::DeviceScene;
 
-/// How the CPU is used. No choice changes the picture.
+/// Options of the CPU. None of them changes the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CpuOptions {
-    /// Threads; 0 for as many as there are cores.
+    /// Number of threads; 0 for as many as there are cores.
     pub threads: usize,
     /// Level of instruction set; `None` for the best this processor has.
     pub instruction_set: Option<InstructionSet>,
@@ -36,12 +36,12 @@ impl Default for CpuOptions {
     }
 }
 
-/// The CPU.
+/// The CPU as a device.
 pub struct CpuDevice {
     workers: Arc<Workers>,
 }
 
-/// What sessions share.
+/// Threads and options, which all sessions share.
 struct Workers {
     pool: ThreadPool,
     set: InstructionSet,
@@ -50,6 +50,9 @@ struct Workers {
 
 impl CpuDevice {
     /// Starts the threads.
+    ///
+    /// # Errors
+    /// A [`DeviceError::Host`] when the processor lacks the instruction set, or the system refuses threads.
     pub fn new(options: CpuOptions) -> Result<Self, DeviceError> {
         let set = options.instruction_set.or_else(InstructionSet::best).ok_or_else(|| {
             DeviceError::Host("this processor is too old: the kernels need x86-64-v2 (SSE4.2, from 2009 on)".into())
@@ -64,7 +67,7 @@ impl CpuDevice {
         Ok(Self { workers: Arc::new(Workers { pool, set, tile_rows: options.tile_rows.max(1) }) })
     }
 
-    /// Its line in the list of devices.
+    /// Line of the CPU in the list of devices.
     pub fn info() -> DeviceInfo {
         DeviceInfo {
             id: "cpu".into(),
@@ -106,7 +109,7 @@ struct CpuSession {
     integrator: Integrator,
     resting: Vec<u32>,
     films: Films<Film>,
-    /// As large as a film, or empty.
+    /// Pixels of the reference image, as many as a film has, or none.
     reference: Vec<[f32; 4]>,
 }
 

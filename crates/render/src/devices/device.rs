@@ -1,4 +1,4 @@
-//! What the rest of the program knows of a device.
+//! Interface of devices, which is all that the rest of the program knows of them.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -15,51 +15,60 @@ use crate::translation::device_scene::DeviceScene;
 
 /// Something that can trace rays.
 pub trait Device: Send + Sync {
-    /// As shown to users: `NVIDIA H200 (vulkan:0)`.
+    /// Name of the device, as shown to users: `NVIDIA H200 (vulkan:0)`.
     fn name(&self) -> String;
 
-    /// What Vulkan's validation layers have said so far, if they are on; empty when all is well.
+    /// Messages of Vulkan's validation layers so far, if they are on; empty when all is well.
     fn validation_messages(&self) -> Vec<String> {
         vec![]
     }
 
-    /// The Vulkan device behind it, if there is one: windows are fastest on the same.
+    /// Vulkan device behind this one, if there is one: windows are fastest on the same.
     fn vulkan(&self) -> Option<&Arc<raggio_vulkan::Device>> {
         None
     }
 
     /// Makes `scene` resident, with an empty film.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the scene's indices are wrong, or the device has no memory for it.
     fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError>;
 }
 
 /// A scene and its films on a device: that of radiance and, once asked for, one of another feature.
 ///
 /// Samples go to the film that is shown, and what is read comes from it. A session may move from thread to thread.
+///
+/// # Errors
+/// A [`DeviceError`] from any function when the device fails or has no memory left; from [`Session::restart`] also when
+/// the scene's indices are wrong.
 pub trait Session: Send {
-    /// Shows the film of `feature`; at first that of radiance. That one is always kept, and of the others the last:
-    /// any other begins empty.
+    /// Shows the film of `feature`; at first that of radiance is shown. The film of radiance is always kept, and of the
+    /// others the last: any other begins empty.
     fn show(&mut self, feature: Feature) -> Result<(), DeviceError>;
 
     /// Adds the samples `samples` to the pixels of `rows`, and waits for them.
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError>;
 
-    /// Blocks of pixels whose radiance takes no more samples; `None`: there are no such blocks.
+    /// Lets those of `blocks` rest that are marked so: their radiance takes no more samples. `None`: no block rests.
     fn rest(&mut self, blocks: Option<&Blocks>) -> Result<(), DeviceError>;
 
-    /// Begins anew with another scene, camera, resolution or settings, and films without samples that all blocks take. Buffers that `scene`
-    /// shares with the one before stay where they are. With another resolution the reference is gone.
+    /// Begins anew with another scene, camera, resolution or settings: films have no samples, and no block rests.
+    /// Buffers that `scene` shares with the one before stay where they are. With another resolution the reference is
+    /// gone.
     fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError>;
 
-    /// What films of radiance are [compared](Display::comparison) with from now on; in the film's size.
+    /// Sets the image that films of radiance are [compared](Display::comparison) with from now on, resized to the
+    /// film's size; `None` takes it away.
     fn set_reference(&mut self, reference: Option<&Image>) -> Result<(), DeviceError>;
 
     /// The film as displayable pixels.
     fn display(&mut self, display: Display) -> Result<Pixels, DeviceError>;
 
-    /// Some pixels of row `y` of the film as it is now; they are inside it.
+    /// Pixels `columns` of row `y` of the film as it is now; they have to be inside it.
     fn pixels(&self, columns: Range<u32>, y: u32) -> Result<Vec<FilmPixel>, DeviceError>;
 
-    /// One pixel of the film as it is now; `x` and `y` are inside it.
+    /// One pixel of the film as it is now; `x` and `y` have to be inside it.
     fn pixel(&self, x: u32, y: u32) -> Result<FilmPixel, DeviceError> {
         Ok(self.pixels(x..x + 1, y)?[0])
     }
@@ -70,7 +79,7 @@ pub trait Session: Send {
     /// Evaluates one function of the kernels for many arguments: see `Probe` in `kernels/entry/probe.slang`.
     fn ask(&mut self, probe: Probe, questions: &[Question]) -> Result<Vec<Answer>, DeviceError>;
 
-    /// How long one call of [`Session::add_samples`] may take without harm, in seconds.
+    /// Longest time that one call of [`Session::add_samples`] may take without harm, in seconds.
     fn patience_seconds(&self) -> f64;
 }
 
@@ -80,12 +89,12 @@ pub(crate) fn sampling(integrator: Integrator, feature: Feature) -> EntryPoint {
     if feature == Feature::Radiance { kernel.expect("tests see to it that there is one") } else { EntryPoint::Inspect }
 }
 
-/// Arguments of a probe.
+/// Arguments of a probe: three vectors of four numbers.
 pub type Question = [[f32; 4]; 3];
-/// What a probe returns.
+/// Results of a probe: three vectors of four numbers.
 pub type Answer = [[f32; 4]; 3];
 
-/// Why a device cannot be had or has failed.
+/// Reasons why a device cannot be had or has failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DeviceError {
@@ -106,17 +115,17 @@ pub enum DeviceError {
 /// A line of `raggio devices`.
 #[derive(Clone, Debug)]
 pub struct DeviceInfo {
-    /// What `--device` takes.
+    /// Word by which `--device` names the device.
     pub id: String,
-    /// The processor.
+    /// Name of the processor.
     pub name: String,
-    /// Its kind, in a word.
+    /// Kind of the device, in a word.
     pub kind: &'static str,
-    /// What drives it.
+    /// Driver of the device; of the CPU, its cores and their instruction set.
     pub driver: String,
-    /// Its memory in bytes; `None` if unknown.
+    /// Memory of the device in bytes; `None` if unknown.
     pub memory_bytes: Option<u64>,
-    /// What it lacks to run the kernels.
+    /// Features that the device lacks to run the kernels.
     pub missing: Vec<String>,
 }
 

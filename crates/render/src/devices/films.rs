@@ -1,9 +1,9 @@
-//! Something for each of a session's films.
+//! Values that belong to each of a session's films.
 
 use raggio_kernels::Feature;
 
-/// One for the film of radiance and, once it has been asked for, one for the film of another feature; one of the two is
-/// shown.
+/// A value for the film of radiance and, once it has been asked for, one for the film of another feature; one of the
+/// two films is shown.
 pub(crate) struct Films<F> {
     radiance: F,
     inspected: Option<(Feature, F)>,
@@ -19,7 +19,7 @@ impl<F> Films<F> {
         self.shown
     }
 
-    /// The one that is shown.
+    /// Value of the film that is shown.
     pub fn shown(&self) -> &F {
         match &self.inspected {
             Some((feature, film)) if *feature == self.shown => film,
@@ -42,7 +42,8 @@ impl<F> Films<F> {
         std::iter::once(&mut self.radiance).chain(self.inspected.iter_mut().map(|(_, film)| film))
     }
 
-    /// Shows the film of `feature`. That of radiance is always kept, and of the others the last; any other begins empty.
+    /// Shows the film of `feature`. That of radiance is always kept, and of the others the last; any other begins
+    /// empty.
     pub fn show<E>(&mut self, feature: Feature, empty: impl FnOnce() -> Result<F, E>) -> Result<(), E> {
         let known = self.inspected.as_ref().is_some_and(|(inspected, _)| *inspected == feature);
         if feature != Feature::Radiance && !known {
@@ -55,7 +56,7 @@ impl<F> Films<F> {
         Ok(())
     }
 
-    /// New films in place of those that are needed; the same one is shown.
+    /// Makes new films in place of those that are needed; the feature that is shown stays.
     pub fn renew<E>(&mut self, mut empty: impl FnMut() -> Result<F, E>) -> Result<(), E> {
         let mut films = Self::new(empty()?);
         films.show(self.shown, empty)?;

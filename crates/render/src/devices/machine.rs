@@ -1,4 +1,4 @@
-//! What this machine is, as far as the system tells.
+//! Memory and processor of this machine, as far as the system tells.
 
 use crate::pictures::film::film_bytes;
 
@@ -14,7 +14,11 @@ pub struct TooLarge {
     available_gib: f64,
 }
 
-/// The film and its copies while files are written must fit the machine, or the system would end the program halfway.
+/// Checks that the film of an image of `width` x `height` pixels, with its copies while files are written, fits the
+/// machine: the system would end the program halfway.
+///
+/// # Errors
+/// A [`TooLarge`] when it needs more memory than the system tells of.
 pub fn check_memory(width: u32, height: u32) -> Result<(), TooLarge> {
     let gib = |bytes: u64| bytes as f64 / (1u64 << 30) as f64;
     let needed = 3 * film_bytes(width, height);
@@ -26,38 +30,38 @@ pub fn check_memory(width: u32, height: u32) -> Result<(), TooLarge> {
     }
 }
 
-/// Processor cores that this process may use.
+/// Number of processor cores that this process may use.
 pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// As its maker calls it, where the system tells.
+/// Name of the processor as its maker calls it, where the system tells; else its architecture.
 pub fn processor_name() -> String {
     let line = proc_value("/proc/cpuinfo", "model name");
     line.unwrap_or_else(|| format!("{} processor", std::env::consts::ARCH))
 }
 
-/// Memory that this machine could still give; `None` where the system does not tell.
+/// Memory that this machine could still give, in bytes; `None` where the system does not tell.
 pub(crate) fn free_memory_bytes() -> Option<u64> {
     kibibytes("/proc/meminfo", "MemAvailable")
 }
 
-/// Memory of this machine; `None` where the system does not tell.
+/// Memory of this machine in bytes; `None` where the system does not tell.
 pub fn total_memory_bytes() -> Option<u64> {
     kibibytes("/proc/meminfo", "MemTotal")
 }
 
-/// The memory that this process holds; `None` where the system does not tell.
+/// Memory that this process holds, in bytes; `None` where the system does not tell.
 pub fn memory_bytes() -> Option<u64> {
     kibibytes("/proc/self/status", "VmRSS")
 }
 
-/// The most memory that this process has held; `None` where the system does not tell.
+/// Most memory that this process has held, in bytes; `None` where the system does not tell.
 pub fn peak_memory_bytes() -> Option<u64> {
     kibibytes("/proc/self/status", "VmHWM")
 }
 
-/// In bytes, what the file gives in kB.
+/// Value after `key` in `file`, in bytes; the file gives it in kB.
 fn kibibytes(file: &str, key: &str) -> Option<u64> {
     let value = proc_value(file, key)?;
     Some(value.split_whitespace().next()?.parse::<u64>().ok()? * 1024)

@@ -25,7 +25,7 @@ use crate::translation::device_scene::DeviceScene;
 // `raggio devices` calls a device fit by this number.
 const _: () = assert!(SCENE_BINDINGS.len() + 4 <= raggio_vulkan::STORAGE_BUFFERS as usize);
 
-/// Set 0 holds what kernels write; the other is the scene's.
+/// Descriptor set of what kernels write; the other set is the scene's.
 const BUFFER_SET: u32 = 0;
 /// Most bytes of film in one buffer: drivers allow at least 128 MiB, and a gigabyte in one piece may not be free.
 const BAND_BYTES: u64 = 64 << 20;
@@ -35,11 +35,11 @@ pub struct VulkanDevice {
     kernels: Arc<Kernels>,
 }
 
-/// What sessions share: the device and its kernels.
+/// Device and kernels, which all sessions share.
 struct Kernels {
     context: Arc<VulkanContext>,
     spirv: Spirv,
-    /// In the order of `Variant::ALL`.
+    /// Kernels of each variant, in the order of `Variant::ALL`.
     compiled: [Compiled; Variant::ALL.len()],
 }
 
@@ -47,17 +47,23 @@ struct Kernels {
 #[derive(Default)]
 struct Compiled {
     module: OnceLock<Arc<Module>>,
-    /// Of an entry point and, if that is the probe, the probe.
+    /// Pipelines by entry point and, if that is the probe, by probe.
     pipelines: Mutex<HashMap<(EntryPoint, u32), Arc<Pipeline>>>,
 }
 
 impl VulkanDevice {
     /// Opens `physical` and compiles the kernels for it.
+    ///
+    /// # Errors
+    /// A [`DeviceError::Vulkan`] when the device cannot run the kernels, or a call of Vulkan fails.
     pub fn new(physical: &PhysicalDevice) -> Result<Self, DeviceError> {
         Self::with_kernels(VulkanContext::new(physical)?, &SPIRV)
     }
 
     /// Compiles other kernels of the same layout for an open device.
+    ///
+    /// # Errors
+    /// A [`DeviceError::Vulkan`] when the driver refuses the kernels.
     pub fn with_kernels(context: Arc<VulkanContext>, spirv: &Spirv) -> Result<Self, DeviceError> {
         let kernels = Kernels { context, spirv: spirv.clone(), compiled: Default::default() };
         // Kernels that the driver refuses are refused at once, and nobody waits for them later.
@@ -126,7 +132,7 @@ impl Kernels {
 
     fn specialized(&self, entry: EntryPoint, constant: u32, variant: Variant) -> Result<Arc<Pipeline>, DeviceError> {
         let module = self.module(variant)?;
-        // Held while it compiles: whoever needs the same kernel waits for it.
+        // The lock is held while a kernel compiles: whoever needs the same one waits for it.
         let pipelines = &self.compiled[variant.index()].pipelines;
         let mut pipelines = pipelines.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(match pipelines.entry((entry, constant)) {
@@ -135,7 +141,7 @@ impl Kernels {
         })
     }
 
-    /// A set of what kernels write, and read besides the scene.
+    /// Descriptor set of what kernels write, and read besides the scene.
     fn bind(&self, buffers: &[(u32, Arc<Buffer>)]) -> Result<BindingSet, DeviceError> {
         Ok(self.module(Variant::SIMPLE)?.bind(BUFFER_SET, buffers)?)
     }
@@ -185,7 +191,7 @@ impl Kernels {
         self.bind(&buffers)
     }
 
-    /// Which blocks rest; the kernel names it, so there has to be one, be it empty.
+    /// Buffer of the bits of blocks that rest; kernels name it, so there has to be one, be it empty.
     fn resting(&self, words: &[u32]) -> Result<Arc<Buffer>, DeviceError> {
         Ok(Arc::new(Buffer::with_bytes(&self.context, "resting blocks", bytemuck::cast_slice(words))?))
     }
@@ -212,7 +218,7 @@ impl Kernels {
 /// A scene on the device.
 struct Resident {
     scene: SceneBuffers,
-    /// By binding.
+    /// Buffers of the scene, each with its binding.
     buffers: Vec<(u32, Arc<Buffer>)>,
     variant: Variant,
     set: BindingSet,
@@ -228,7 +234,7 @@ struct Band {
 /// The film as it is displayed.
 struct Output {
     pixels: Arc<Buffer>,
-    /// For each band.
+    /// Descriptor sets, one for each band.
     sets: Vec<BindingSet>,
 }
 
@@ -240,7 +246,7 @@ struct VulkanSession {
     films: Films<Vec<Band>>,
     resting: Arc<Buffer>,
     reference: Option<Arc<Buffer>>,
-    // Only who displays needs it. It is bound to the film that is shown and to the reference.
+    // The output is needed by who displays alone. It is bound to the film that is shown and to the reference.
     output: Option<Output>,
 }
 

@@ -1,4 +1,4 @@
-//! What else a picture can say of each pixel: arbitrary output variables.
+//! Arbitrary output variables: the layers that say more of each pixel than its colour.
 
 use std::collections::HashMap;
 use std::ops::ControlFlow;
@@ -26,7 +26,7 @@ choice! {
         Motion = "motion",
         /// Number of the shape in the pixel's middle, in the scene's order from 1 on; 0 is none: object_id.I
         ObjectId = "object_id",
-        /// Number of its material, in the same way: material_id.I
+        /// Number of the material in the pixel's middle, in the scene's order from 1 on; 0 is none: material_id.I
         MaterialId = "material_id",
         /// Number of samples of the pixel: samples.N
         Samples = "samples",
@@ -61,7 +61,7 @@ pub struct Features {
 }
 
 impl Aov {
-    /// The films that it is made from, besides that of radiance.
+    /// Features whose films the layer is made from, besides that of radiance.
     pub fn features(self) -> &'static [Feature] {
         match self {
             Self::Albedo => &[Feature::Albedo],
@@ -74,7 +74,7 @@ impl Aov {
         }
     }
 
-    /// Its channels, from the film of radiance and [`Features`] that hold its own.
+    /// Channels of the layer, made from the film of radiance and from [`Features`] that hold its own.
     pub fn channels(self, radiance: &Film, features: &Features, scene: &DeviceScene) -> Vec<Channel> {
         let whole = |of: &dyn Fn(usize) -> u32| Values::U32((0..radiance.pixels().len()).map(of).collect());
         let number = |feature: Feature, i: usize| features.mean(feature, i)[0] as u32;
@@ -111,11 +111,14 @@ impl Aov {
 }
 
 impl Features {
-    /// What a denoiser is guided by: [`Features::albedos`] and [`Features::normals`] are made from these.
+    /// Features that guide a denoiser: [`Features::albedos`] and [`Features::normals`] are made from these.
     pub const GUIDES: [Feature; 3] = [Feature::Albedo, Feature::Normal, Feature::Hit];
 
-    /// Renders each of `wanted` once, with `samples` samples a pixel, or at least one if `proceed`, which is asked after
-    /// each portion, no longer lets it. The film that is shown stays as it is.
+    /// Renders each of `wanted` once, with `samples` samples a pixel, or at least one if `proceed`, which is asked
+    /// after each portion, no longer lets it. The film that is shown stays as it is.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails.
     pub fn render(
         renderer: &mut Renderer,
         wanted: &[Feature],
@@ -131,8 +134,11 @@ impl Features {
         Ok(features)
     }
 
-    /// Renders one portion, of about `seconds`, of the first of `wanted` that is not there yet; true when all are. The film
-    /// that is shown stays as it is.
+    /// Renders one portion, of about `seconds`, of the first of `wanted` that is not there yet. Returns whether all are
+    /// there. The film that is shown stays as it is.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails.
     pub fn advance(
         &mut self,
         renderer: &mut Renderer,
@@ -155,12 +161,13 @@ impl Features {
         Ok(wanted.iter().all(|feature| self.films.contains_key(&(*feature as u32))))
     }
 
-    /// Mean colours of the first surfaces; black where there is none.
+    /// Mean colours of the first surfaces, row by row from the top left; black where there is none.
     pub fn albedos(&self) -> Vec<[f32; 3]> {
         self.vectors(Feature::Albedo)
     }
 
-    /// Mean normals; 0 where there is none, and shorter than 1 where several are seen.
+    /// Mean normals of the first surfaces, row by row from the top left; 0 where there is none, and shorter than 1
+    /// where several are seen.
     pub fn normals(&self) -> Vec<[f32; 3]> {
         let normal = |i: usize| {
             let [coverage, ..] = self.mean(Feature::Hit, i);
@@ -169,7 +176,7 @@ impl Features {
         (0..self.pixels()).map(normal).collect()
     }
 
-    /// Over what is covered; infinite where nothing is.
+    /// Mean depths of what is covered in each pixel; infinite where nothing is.
     fn depths(&self) -> Vec<f32> {
         let depth = |i: usize| match self.mean(Feature::Hit, i)[0] {
             coverage if coverage > 0.0 => (self.mean(Feature::PlaneDepth, i)[0] / coverage) as f32,
@@ -178,7 +185,7 @@ impl Features {
         (0..self.pixels()).map(depth).collect()
     }
 
-    /// Over what is covered; 0 where nothing is.
+    /// Mean positions of what is covered in each pixel; 0 where nothing is.
     fn positions(&self) -> Vec<[f32; 3]> {
         let position = |i: usize| match self.mean(Feature::Hit, i)[0] {
             coverage if coverage > 0.0 => self.mean(Feature::Position, i).map(|sum| (sum / coverage) as f32),

@@ -1,4 +1,4 @@
-//! From radiance to what is looked at.
+//! Display of films: exposure, tone mapping, views and comparison.
 
 use std::sync::Arc;
 
@@ -11,27 +11,27 @@ use crate::pictures::linear_image::Image;
 
 /// Displayable pixels, 0xAABBGGRR in sRGB, row by row from the top left.
 pub enum Pixels {
-    /// In the host's memory.
+    /// Pixels in the host's memory.
     Host(Vec<u32>),
-    /// In the memory of the device that traced them.
+    /// Pixels in the memory of the device that traced them.
     Device(Arc<Buffer>),
 }
 
-/// How a film becomes the colours of a screen or a PNG.
+/// Settings by which a film becomes the colours of a screen or a PNG.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Display {
-    /// Stops: each doubles the brightness.
+    /// Exposure in stops, each of which doubles the brightness.
     pub exposure: f32,
-    /// The curve.
+    /// Curve that squeezes radiance into what a display can show.
     pub tone_mapper: ToneMapper,
-    /// What is looked at, in the film of the view's feature.
+    /// Way of looking at the film, which is that of the view's feature.
     pub view: View,
-    /// Where the colours of a view end, if they have an end: the distance that is middle grey, the most rays per sample,
-    /// the most samples. Positive.
+    /// End of the colours of a view, if they have one: the distance that is middle grey, the most rays per sample, the
+    /// most samples. Positive.
     pub scale: f32,
-    /// With the session's reference; nothing is compared without one, nor in views of anything but radiance.
+    /// Comparison with the session's reference; nothing is compared without one, nor in views of anything but radiance.
     pub comparison: Comparison,
-    /// The column from which on [`Comparison::Split`] shows the reference.
+    /// Column of pixels from which on [`Comparison::Split`] shows the reference.
     pub split: u32,
 }
 
@@ -49,7 +49,7 @@ impl Default for Display {
 }
 
 impl Display {
-    /// `work` with these settings.
+    /// Work of the display kernel: `work` with these settings.
     pub(crate) fn apply(self, work: Work, has_reference: bool) -> Work {
         let comparable = has_reference && self.view == View::Radiance;
         Work {
@@ -65,13 +65,13 @@ impl Display {
     }
 }
 
-/// `image` as the display kernel reads it, for a film of this size.
+/// Pixels of `image` as the display kernel reads them, resized to a film of `width` x `height` pixels.
 pub(crate) fn reference_pixels(image: &Image, width: u32, height: u32) -> Vec<[f32; 4]> {
     let pixels = |image: &Image| image.pixels.iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect();
     if (image.width, image.height) == (width, height) { pixels(image) } else { pixels(&image.resized(width, height)) }
 }
 
-/// The display kernel over whole rows, on the calling thread. `reference` has as many pixels, or none.
+/// Runs the display kernel over whole rows, on the calling thread. `reference` has as many pixels, or none.
 pub(crate) fn display_rows(
     film: &mut [FilmPixel],
     reference: &[[f32; 4]],
@@ -90,7 +90,7 @@ pub fn show_image(image: &Image, display: Display) -> Pixels {
     Pixels::Host(displayed(&Film::from_image(image), Display { view: View::Radiance, ..display }))
 }
 
-/// The display kernel over a whole film, some rows at a time to keep the copies small.
+/// Runs the display kernel over a whole film, some rows at a time to keep the copies small.
 pub(crate) fn displayed(film: &Film, display: Display) -> Vec<u32> {
     const ROWS: usize = 64;
     let set = InstructionSet::best().unwrap_or(InstructionSet::Baseline);

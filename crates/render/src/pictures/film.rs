@@ -29,7 +29,7 @@ pub fn film_bytes(width: u32, height: u32) -> u64 {
 }
 
 impl Film {
-    /// Film without samples and without a label.
+    /// Film of `width` x `height` pixels without samples and without a label.
     pub fn new(width: u32, height: u32) -> Self {
         Self::from_pixels(width, height, vec![FilmPixel::default(); width as usize * height as usize])
     }
@@ -37,7 +37,7 @@ impl Film {
     /// Film of the sums that a device has accumulated, row by row from the top left; without a label.
     ///
     /// # Panics
-    /// If there are not `width` times `height` pixels.
+    /// A panic unless there are `width` times `height` pixels.
     pub fn from_pixels(width: u32, height: u32, pixels: Vec<FilmPixel>) -> Self {
         assert_eq!(pixels.len(), width as usize * height as usize);
         Self { width, height, pixels, label: None }
@@ -84,8 +84,9 @@ impl Film {
     /// Adds the samples of `other`, which must be other samples of the same picture.
     ///
     /// # Errors
-    /// When labels show that the films are of different pictures, or have samples in common; when one film alone has a
-    /// label; when sizes differ. This film stays as it was then. Films without labels are the caller's responsibility.
+    /// A [`MergeError`] when labels show that the films are of different pictures, or have samples in common; when one
+    /// film alone has a label; when sizes differ. This film stays as it was then. Films without labels are the caller's
+    /// responsibility.
     pub fn merge(&mut self, other: &Film) -> Result<(), MergeError> {
         if (self.width, self.height) != (other.width, other.height) {
             return Err(MergeError::Size([self.width, self.height], [other.width, other.height]));

@@ -21,37 +21,40 @@ pub struct ImageFile {
     format: PictureFormat,
 }
 
-/// What an EXR holds beside the picture.
+/// Layers and metadata that an EXR holds beside the picture.
 #[derive(Clone, Debug, Default)]
 pub struct Extras {
-    /// Of layers, as `albedo.R`; as many values each as the picture has pixels.
+    /// Channels of layers, as `albedo.R`; as many values each as the picture has pixels.
     pub channels: Vec<Channel>,
-    /// How it was made.
+    /// Record of how the picture was made.
     pub metadata: Option<Metadata>,
 }
 
-/// Why a picture cannot be written.
+/// Reasons why a picture cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OutputError {
     /// An ending that names no format.
     #[error("{}: the ending must be {}", path.display(), PictureFormat::listed())]
     UnknownFormat {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// The folder or the file cannot be written to.
+    /// A folder or file that cannot be written to.
     #[error("cannot write {}: {source}", path.display())]
     Unwritable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: io::Error,
     },
 }
 
 impl ImageFile {
     /// Checks, before any work is spent, that `path` names a known format in a folder that can be written to.
+    ///
+    /// # Errors
+    /// An [`OutputError`] when it does not.
     pub fn new(path: &Path) -> Result<Self, OutputError> {
         let Some(format) = PictureFormat::of_path(path) else {
             return Err(OutputError::UnknownFormat { path: path.into() });
@@ -61,29 +64,38 @@ impl ImageFile {
         Ok(file)
     }
 
-    /// Where it will be.
+    /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Whether it can hold more than a picture.
+    /// Whether the file can hold layers and metadata beside the picture.
     pub fn has_layers(&self) -> bool {
         self.format.has_layers()
     }
 
-    /// `NAME.denoised.ENDING` beside it.
+    /// File `NAME.denoised.ENDING` beside this one.
+    ///
+    /// # Errors
+    /// An [`OutputError`] when it cannot be written to.
     pub fn denoised(&self) -> Result<Self, OutputError> {
         let mut ending = std::ffi::OsString::from("denoised.");
         ending.push(self.path.extension().unwrap_or_default());
         Self::new(&self.path.with_extension(ending))
     }
 
-    /// Writes `film`, whole or not at all.
+    /// Writes `film`, whole or not at all; PNGs are made as `display` says.
+    ///
+    /// # Errors
+    /// An [`OutputError`] when the file cannot be written.
     pub fn write(&self, film: &Film, display: Display) -> Result<(), OutputError> {
         self.write_with(film, display, &Extras::default())
     }
 
-    /// The same with what only EXR has room for.
+    /// Writes `film` together with layers and metadata, which EXR alone has room for, whole or not at all.
+    ///
+    /// # Errors
+    /// An [`OutputError`] when the file cannot be written.
     pub fn write_with(&self, film: &Film, display: Display, extras: &Extras) -> Result<(), OutputError> {
         let mut bytes = io::Cursor::new(Vec::new());
         match self.format {
@@ -104,11 +116,15 @@ impl ImageFile {
 
 /// Writes `bytes` to `path`, whole or not at all: under a temporary name first, renamed when all of it has reached the
 /// disk. A link is followed; a pipe or a device is written to as it is.
+///
+/// # Errors
+/// The system's error when the file cannot be written.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_whole_with(path, |file| file.write_all(bytes))
 }
 
-/// Does so with the bytes that `write` writes, which need not be in memory together.
+/// Writes to `path`, whole or not at all as [`write_whole`] does, the bytes that `write` writes; they need not be in
+/// memory together.
 pub(crate) fn write_whole_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     let path = destination(path)?;
     if is_special(&path) {
@@ -122,6 +138,9 @@ pub(crate) fn write_whole_with(path: &Path, write: impl FnOnce(&mut File) -> io:
 }
 
 /// Finds out early whether [`write_whole`] can succeed.
+///
+/// # Errors
+/// The system's error when it cannot.
 pub fn check_writable(path: &Path) -> io::Result<()> {
     let path = destination(path)?;
     if path.is_dir() {
@@ -133,17 +152,17 @@ pub fn check_writable(path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// `path`, or what it links to.
+/// Path of what `path` links to, or `path` itself.
 fn destination(path: &Path) -> io::Result<PathBuf> {
     if path.is_symlink() && path.exists() { path.canonicalize() } else { Ok(path.into()) }
 }
 
-/// Neither a file nor a folder, nor nothing.
+/// Whether there is something at `path` that is neither a file nor a folder.
 fn is_special(path: &Path) -> bool {
     path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
 
-/// A file in the same folder, hidden, that vanishes unless it is kept.
+/// Temporary file in the folder of `path`, hidden, which vanishes unless it is kept.
 fn temporary_beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
     let folder = match path.parent() {
         Some(parent) if parent != Path::new("") => parent,
@@ -151,14 +170,17 @@ fn temporary_beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
     };
     let mut builder = tempfile::Builder::new();
     builder.prefix(".raggio-");
-    // As any new file: the temporary one would be for its owner alone.
+    // Permissions are those of any new file: the temporary one would be for its owner alone.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder)
 }
 
-/// Writes pixels as they are, whole or not at all: bytes red, green, blue, opacity, row by row from the top left. Opacity
-/// is left out.
+/// Writes `pixels` as they are to a PNG, whole or not at all: bytes red, green, blue, opacity, row by row from the top
+/// left. Opacity is left out. `size` is width and height in pixels.
+///
+/// # Errors
+/// An [`OutputError`] when the file cannot be written.
 pub fn write_png(path: &Path, size: [u32; 2], pixels: &[u8]) -> Result<(), OutputError> {
     let mut bytes = io::Cursor::new(Vec::new());
     let outcome = encode_png(size, pixels, &mut bytes).and_then(|()| write_whole(path, bytes.get_ref()));
@@ -203,7 +225,8 @@ fn write_exr(film: &Film, extras: &Extras, to: &mut io::Cursor<Vec<u8>>) -> io::
 /// Orders the attributes of an OpenEXR file of one part by their names: the library writes ours in another order each
 /// time. Pixels stay where they are.
 fn sort_attributes(file: &mut [u8]) {
-    // After the magic number and the version; each has a name and a type that end with a zero, a length and a value.
+    // Attributes begin after the magic number and the version; each has a name and a type that end with a zero, a
+    // length and a value.
     const FIRST: usize = 8;
     let mut end = FIRST;
     let mut attributes = vec![];

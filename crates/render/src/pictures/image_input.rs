@@ -11,52 +11,55 @@ use image::{ImageDecoder, ImageReader};
 use crate::pictures::format::PictureFormat;
 use crate::pictures::linear_image::Image;
 
-/// The most pixels that are read: 8192 x 8192.
+/// Most pixels of a picture that is read: 8192 x 8192.
 const MOST_PIXELS: u64 = 1 << 26;
 
-/// Why a picture cannot be read.
+/// Reasons why a picture cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum InputError {
     /// An ending that names no format.
     #[error("{}: the ending must be {}", path.display(), PictureFormat::listed())]
     UnknownFormat {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// The file cannot be opened or read.
+    /// A file that cannot be opened or read.
     #[error("cannot read {}: {source}", path.display())]
     Unreadable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: io::Error,
     },
-    /// Larger than any picture that is meant.
+    /// A picture that is larger than any that is meant.
     #[error("{}: {width}x{height} pixels are more than the {MOST_PIXELS} that a reference image may have", path.display())]
     TooLarge {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// In pixels.
+        /// Width in pixels.
         width: u64,
-        /// In pixels.
+        /// Height in pixels.
         height: u64,
     },
-    /// Not what its ending says, or damaged.
+    /// A file that is not what its ending says, or is damaged.
     #[error("{}: not {format} image with red, green and blue that can be read: {reason}", path.display())]
     Malformed {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// `an OpenEXR` or `a PNG`.
+        /// Name of the format: `an OpenEXR` or `a PNG`.
         format: &'static str,
-        /// What its reader says.
+        /// Error of the format's reader.
         reason: String,
     },
 }
 
 impl Image {
-    /// Reads an OpenEXR file, whose R, G and B are linear radiance, or a PNG, whose sRGB is made linear. Opacity is left
-    /// out, and what is not a number or infinite becomes black.
+    /// Reads an OpenEXR file, whose R, G and B are linear radiance, or a PNG, whose sRGB is made linear. Opacity is
+    /// left out, and what is not a number or infinite becomes black.
+    ///
+    /// # Errors
+    /// An [`InputError`] when the file cannot be read, is no such picture, is damaged, or has more than 2^26 pixels.
     pub fn load(path: &Path) -> Result<Self, InputError> {
         let (format, read): (_, Reader) = match PictureFormat::of_path(path) {
             Some(PictureFormat::Exr) => ("an OpenEXR", read_exr),
@@ -76,7 +79,7 @@ impl Image {
     }
 }
 
-/// Of one format.
+/// Reader of one format.
 type Reader = fn(BufReader<File>) -> Result<Image, Fault>;
 
 /// An [`InputError`] that does not know its file yet.
@@ -104,7 +107,7 @@ impl From<image::ImageError> for Fault {
     }
 }
 
-/// Sizes are checked before anything is reserved for them.
+/// Checks the size of a picture, before anything is reserved for it.
 fn check_size(width: u64, height: u64) -> Result<(), Fault> {
     if width.saturating_mul(height) > MOST_PIXELS { Err(Fault::TooLarge(width, height)) } else { Ok(()) }
 }

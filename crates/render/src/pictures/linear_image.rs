@@ -3,16 +3,16 @@
 /// Linear radiance, row by row from the top left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
-    /// In pixels.
+    /// Width in pixels.
     pub width: u32,
-    /// In pixels.
+    /// Height in pixels.
     pub height: u32,
-    /// Red, green, blue; Rec. 709 primaries.
+    /// Radiance of the pixels: red, green and blue, with Rec. 709 primaries.
     pub pixels: Vec<[f32; 3]>,
 }
 
 impl Image {
-    /// The same picture in another size: each pixel is the mean of what it covers, so the mean of all stays.
+    /// Picture resized to `width` x `height` pixels: each is the mean of what it covers, so the mean of all stays.
     pub fn resized(&self, width: u32, height: u32) -> Self {
         let (columns, rows) = (covered(self.width, width), covered(self.height, height));
         let pixel = |row: &Covered, column: &Covered| {
@@ -34,9 +34,9 @@ impl Image {
 /// Pixels of a line, and the share of each in the mean.
 type Covered = Vec<(usize, f64)>;
 
-/// What each of `to` equal parts covers of a line of `from` pixels.
+/// Pixels of a line of `from` that each of `to` equal parts covers.
 fn covered(from: u32, to: u32) -> Vec<Covered> {
-    // In units of which a pixel has `to` and a part has `from`: the borders are whole numbers.
+    // Lengths are in units of which a pixel has `to` and a part has `from`: the borders are whole numbers.
     let (from, to) = (u64::from(from), u64::from(to));
     let part = |i: u64| {
         let (start, end) = (i * from, (i + 1) * from);

@@ -1,4 +1,4 @@
-//! What an EXR says of how it was made.
+//! Metadata of EXRs: what they say of how they were made.
 
 use std::collections::HashMap;
 
@@ -6,21 +6,21 @@ use exr::prelude::{AttributeValue, LayerAttributes, Text};
 use glam::{DMat4, DVec4};
 use raggio_scene::{Camera, RenderSettings, Scene};
 
-/// How a picture was made.
+/// Record of how a picture was made.
 #[derive(Clone, Debug)]
 pub struct Metadata {
-    /// Of the scene.
+    /// Name of the scene.
     pub scene: String,
-    /// The most that a pixel has.
+    /// Most samples that a pixel has.
     pub samples: u32,
-    /// What removed noise, and its version.
+    /// Name of what removed the noise, with its version; `None` where nothing did.
     pub denoiser: Option<String>,
     settings: RenderSettings,
     camera: Camera,
 }
 
 impl Metadata {
-    /// Of a picture of `scene`, which is called `name`.
+    /// Metadata of a picture of `scene`, which is called `name`.
     pub fn new(scene: &Scene, name: &str) -> Self {
         Self {
             scene: name.into(),
@@ -31,7 +31,7 @@ impl Metadata {
         }
     }
 
-    /// Writes itself into the header of a layer.
+    /// Writes the metadata into the header of a layer.
     pub(crate) fn describe(&self, attributes: &mut LayerAttributes) {
         let camera_from_world = self.camera_from_world();
         attributes.world_to_camera = Some(row_vectors(camera_from_world));
@@ -53,7 +53,7 @@ impl Metadata {
         attributes.other.extend(other.into_iter().map(|(name, value)| (Text::from(name), value)));
     }
 
-    /// As OpenEXR wants it: left-handed, x to the right, y up, z where the camera looks.
+    /// Map from the world to the camera as OpenEXR has it: left-handed, x to the right, y up, z where the camera looks.
     fn camera_from_world(&self) -> DMat4 {
         let eye = self.camera.position.as_dvec3();
         let forward = (self.camera.look_at.as_dvec3() - eye).normalize();
@@ -62,7 +62,7 @@ impl Metadata {
         DMat4::from_cols(right.extend(0.0), up.extend(0.0), forward.extend(0.0), eye.extend(1.0)).inverse()
     }
 
-    /// (0, 0) is the picture's top left corner, (1, 1) its bottom right one.
+    /// Map from the camera to the picture, whose top left corner is (0, 0) and whose bottom right one is (1, 1).
     fn ndc_from_camera(&self) -> DMat4 {
         let half_height = (f64::from(self.camera.vertical_fov_degrees).to_radians() / 2.0).tan();
         let half_width = half_height * f64::from(self.settings.width) / f64::from(self.settings.height);
@@ -75,7 +75,7 @@ impl Metadata {
     }
 }
 
-/// OpenEXR multiplies row vectors from the left, and stores rows: the columns of ours.
+/// Numbers of a matrix as OpenEXR stores them: by rows, for row vectors from the left, which are columns of ours.
 fn row_vectors(matrix: DMat4) -> [f32; 16] {
     matrix.to_cols_array().map(|value| value as f32)
 }

@@ -22,7 +22,7 @@ impl Picture {
     /// Writes the picture, whole or not at all; PNGs are made as `display` says.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// An [`OutputError`] when the file cannot be written.
     pub fn write(&self, file: &ImageFile, display: Display) -> Result<(), OutputError> {
         file.write_with(&self.film, display, &self.extras)
     }
@@ -30,7 +30,7 @@ impl Picture {
     /// The picture without its noise, and without its layers, which have none. Guides, if there are any, keep its edges.
     ///
     /// # Errors
-    /// When the library fails.
+    /// A [`DenoiseError`] when the library fails.
     pub fn denoised(&self, denoiser: &Denoiser) -> Result<Self, DenoiseError> {
         let mean = self.film.mean();
         let [width, height] = [mean.width, mean.height].map(|side| side as usize);

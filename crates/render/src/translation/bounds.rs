@@ -12,7 +12,7 @@ pub fn bounds(geometry: &Geometry) -> Option<(Vec3, Vec3)> {
     shape_bounds(geometry, mesh_bounds).map(|Bounds(lower, upper)| (lower, upper))
 }
 
-/// The same, where the bounds of meshes are known.
+/// Box that contains `geometry` with room for rounding, by known bounds of meshes; `None` if it has no bounds.
 pub(crate) fn shape_bounds(geometry: &Geometry, mesh_bounds: impl FnOnce(&Arc<Mesh>) -> Bounds) -> Option<Bounds> {
     let mut rounding = 8.0 * f64::from(f32::EPSILON);
     let (lower, upper) = match geometry {
@@ -43,19 +43,19 @@ pub(crate) fn shape_bounds(geometry: &Geometry, mesh_bounds: impl FnOnce(&Arc<Me
             (center - reach, center + reach)
         }
     };
-    // As the kernels round positions: in proportion to the largest number involved.
+    // Positions are rounded by the kernels in proportion to the largest number involved.
     let room = DVec3::splat(rounding * lower.abs().max(upper.abs()).max_element());
     Some(Bounds((lower - room).as_vec3(), (upper + room).as_vec3()))
 }
 
-/// Around all vertices that a triangle uses.
+/// Box around all vertices of `mesh` that a triangle uses.
 pub(crate) fn mesh_bounds(mesh: &Arc<Mesh>) -> Bounds {
     let corners = mesh.triangles.iter().flatten().map(|&index| Vec3::from(mesh.positions[index as usize]));
     corners.fold(Bounds::EMPTY, |Bounds(lower, upper), p| Bounds(lower.min(p), upper.max(p)))
 }
 
-/// What the rounding errors of points of an instance are proportional to: the sum of the numbers that a coordinate is
-/// computed from, times what a map and its inverse make of a rounding error between them.
+/// Scale of the rounding errors of an instance's points: the sum of the numbers that a coordinate is computed from,
+/// times what a map and its inverse make of a rounding error between them.
 pub(crate) fn instance_scale(Bounds(lower, upper): Bounds, world_from_mesh: &DAffine3) -> f32 {
     let farthest = lower.as_dvec3().abs().max(upper.as_dvec3().abs());
     let map = world_from_mesh.matrix3.abs();

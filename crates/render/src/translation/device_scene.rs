@@ -31,13 +31,13 @@ use crate::translation::textures::{ColorSpace, TextureTable};
 /// A scene as flat buffers, and the settings that every dispatch repeats.
 #[derive(Clone, Debug)]
 pub struct DeviceScene {
-    /// What the kernels read.
+    /// Buffers that the kernels read.
     pub buffers: SceneBuffers,
     /// Resolution, depth and the like; the portion of work is filled in by the renderer.
     pub work: Work,
     /// Settings of the picture, as the scene has them.
     pub settings: RenderSettings,
-    /// For each place in `buffers.order`, the shape's index in the scene.
+    /// Index in the scene of the shape at each place of `buffers.order`.
     pub shape_of_place: Vec<u32>,
     meshes: Meshes,
     textures: TextureTable,
@@ -49,6 +49,9 @@ const LONGEST_PATH: u32 = 4096;
 
 impl DeviceScene {
     /// Translates `scene`.
+    ///
+    /// # Errors
+    /// A [`TranslationError`] when no device, or not this machine, can hold the scene.
     pub fn new(scene: &Scene) -> Result<Self, TranslationError> {
         let mut translated = Self {
             buffers: SceneBuffers::default(),
@@ -67,7 +70,7 @@ impl DeviceScene {
     /// their hierarchy is refitted.
     ///
     /// # Errors
-    /// As [`DeviceScene::new`]; what this was is lost then.
+    /// The errors of [`DeviceScene::new`]; what this was is lost then.
     pub fn update(&mut self, scene: &Scene) -> Result<(), TranslationError> {
         self.meshes.hold(&meshes_of(scene))?;
         let old = std::mem::take(&mut self.buffers);
@@ -100,7 +103,7 @@ impl DeviceScene {
         shape_bounds(geometry, |mesh| self.meshes.place(mesh).map_or(Bounds::EMPTY, |place| self.meshes.bounds(place)))
     }
 
-    /// Shapes without bounds come first, for they are tried one by one; the others in the order of the leaves.
+    /// Orders shapes: first those without bounds, for they are tried one by one, then the others as the leaves stand.
     fn arrange(&mut self, boxes: &[Option<Bounds>], old: &[BvhNode]) {
         let (unbounded, bounded): (Vec<u32>, Vec<u32>) =
             (0..boxes.len() as u32).partition(|&i| boxes[i as usize].is_none());
@@ -124,6 +127,9 @@ impl DeviceScene {
 
     /// Looks at the same scene from another camera, or with other settings: `scene` differs from the one this was made
     /// of in nothing else. Takes no longer for large scenes than for small ones, unless bodies surround the camera.
+    ///
+    /// # Errors
+    /// A [`TranslationError::TooManyMedia`] when more bodies surround the camera than a path remembers.
     pub fn set_view(&mut self, scene: &Scene) -> Result<(), TranslationError> {
         self.buffers.camera = vec![device_camera(&scene.camera, &scene.render)].into();
         let media = camera_media(scene, &self.shape_of_place)?;
@@ -137,12 +143,12 @@ impl DeviceScene {
         Ok(())
     }
 
-    /// Shapes in it.
+    /// Number of shapes in the scene.
     pub fn shapes(&self) -> usize {
         self.buffers.order.len()
     }
 
-    /// Triangles in it, those of each mesh once.
+    /// Number of triangles in the scene, those of each mesh once.
     pub fn triangles(&self) -> usize {
         self.buffers.triangles.len()
     }

@@ -1,4 +1,4 @@
-//! Why a scene is not translated.
+//! Reasons why a scene is not translated.
 
 use raggio_kernels::MAX_TEXTURE_SIDE;
 
@@ -9,9 +9,9 @@ pub enum TranslationError {
     /// More bodies around the camera than a path remembers.
     #[error("the camera is inside {found} dielectric bodies at once, and a path can remember {limit}")]
     TooManyMedia {
-        /// How many there are.
+        /// Number of bodies around the camera.
         found: usize,
-        /// How many there may be.
+        /// Most bodies that a path remembers.
         limit: usize,
     },
     /// Hierarchies that this machine has no memory to build.
@@ -19,14 +19,14 @@ pub enum TranslationError {
         "building the hierarchies of {triangles} triangles takes {needed_gib:.1} GiB of memory, and this machine has {free_gib:.1} GiB free"
     )]
     TooMuchMemory {
-        /// In meshes that are not built yet.
+        /// Number of triangles in meshes that are not built yet.
         triangles: usize,
-        /// What they take while they are built.
+        /// Memory that they take while they are built, in GiB.
         needed_gib: f64,
-        /// What there is.
+        /// Memory that this machine has free, in GiB.
         free_gib: f64,
     },
-    /// Places in lists over triangles have 30 bits, those in lists over vertices 32.
+    /// More triangles or vertex data than lists have places for: these have 30 bits over triangles, 32 over vertices.
     #[error(
         "the meshes of this scene have more than 1 billion triangles or nodes, or 4 billion words of vertex data, together"
     )]
@@ -36,17 +36,17 @@ pub enum TranslationError {
         "the scene's images take {needed_gib:.1} GiB in all, and kernels can address {limit_gib:.0} GiB: use fewer or smaller ones"
     )]
     TooManyTexels {
-        /// What they would take.
+        /// Memory that all texels would take, in GiB.
         needed_gib: f64,
-        /// What there may be.
+        /// Memory of texels that kernels can address, in GiB.
         limit_gib: f64,
     },
     /// A side of an image that floats cannot address.
     #[error("an image of {width} x {height} texels is too large: a side may have {MAX_TEXTURE_SIDE}")]
     ImageTooLarge {
-        /// Texels across.
+        /// Width of the image in texels.
         width: u32,
-        /// Texels down.
+        /// Height of the image in texels.
         height: u32,
     },
 }

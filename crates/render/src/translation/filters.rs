@@ -21,13 +21,13 @@ pub(crate) fn filter_table(filter: Filter) -> Vec<[f32; 2]> {
     }
 }
 
-/// Of radius 1.
+/// Blackman-Harris filter of radius 1.
 fn blackman_harris(x: f64) -> f64 {
     let term = |k: f64| (k * TAU * 0.5 * (x + 1.0)).cos();
     0.35875 - 0.48829 * term(1.0) + 0.14128 * term(2.0) - 0.01168 * term(3.0)
 }
 
-/// Of radius 1, with B = C = 1/3 [mitchell1988reconstruction].
+/// Mitchell and Netravali's filter of radius 1, with B = C = 1/3 [mitchell1988reconstruction].
 fn mitchell(x: f64) -> f64 {
     match 2.0 * x.abs() {
         x if x < 1.0 => (7.0 * x - 12.0) * x * x + 16.0 / 3.0,
@@ -70,7 +70,7 @@ mod tests {
         table.windows(2).map(|cell| share(cell) * f64::from(cell[0][1])).sum::<f64>() / CELLS as f64
     }
 
-    /// By Simpson's rule, which is exact for each of Mitchell's cubics.
+    /// Part of the filter's integral below `x`, by Simpson's rule, which is exact for each of Mitchell's cubics.
     fn exact_below(filter: fn(f64) -> f64, radius: f64, x: f64) -> f64 {
         let integral = |to: f64| {
             let step = (to + 1.0) / 4000.0;

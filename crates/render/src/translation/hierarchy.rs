@@ -1,4 +1,4 @@
-//! Bounding volume hierarchies: large ones are built in parts, each split from above, improved by `obvhs`, and translated.
+//! Bounding volume hierarchies: large ones are built in parts, each split from above, improved by `obvhs`, translated.
 
 mod nodes;
 mod parts;
@@ -20,23 +20,24 @@ use self::parts::Parts;
 /// Levels that a hierarchy may have; the kernels' stack has room for one of shapes over one of triangles.
 const MOST_LEVELS: u32 = raggio_kernels::BVH_STACK / 2 - 1;
 
-/// The part of the nodes that is put where it fits better, the largest first, and their number in small trees.
+/// Part of the nodes that is put where it fits better, the largest first.
 const REINSERTED: f32 = 0.02;
+/// Number of nodes that are put where they fit better in small trees.
 const LEAST_REINSERTED: f32 = 128.0;
 
-/// Fewer shapes are built anew within a millisecond or so.
+/// Least number of shapes whose hierarchy is refitted: fewer are built anew within a millisecond or so.
 const WORTH_REFITTING: usize = 4096;
-/// A hierarchy that costs so much more than before is built anew.
+/// Factor by which a refitted hierarchy may cost more than before; at more it is built anew.
 const WORN_OUT: f64 = 1.5;
 
 /// Nodes, parents before children, and what stands in their leaves.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hierarchy {
-    /// Root first; none if there is nothing to hold. Children and leaves count from 0.
+    /// Nodes, the root first; none if there is nothing to hold. Children and leaves count from 0.
     pub nodes: Vec<BvhNode>,
     /// Indices of boxes, in the order of the leaves.
     pub order: Vec<u32>,
-    /// Levels of nodes.
+    /// Number of levels of nodes.
     pub levels: u32,
 }
 
@@ -45,14 +46,14 @@ pub struct Hierarchy {
 pub struct Bounds(pub Vec3, pub Vec3);
 
 impl Bounds {
-    /// Around nothing.
+    /// Box around nothing.
     pub const EMPTY: Self = Self(Vec3::INFINITY, Vec3::NEG_INFINITY);
 
     fn center(&self) -> Vec3 {
         self.0 * 0.5 + self.1 * 0.5
     }
 
-    /// Around both.
+    /// Box around both.
     pub fn union(self, other: Self) -> Self {
         Self(self.0.min(other.0), self.1.max(other.1))
     }
@@ -65,7 +66,7 @@ impl Boundable for Bounds {
 }
 
 impl Hierarchy {
-    /// Over `boxes`, on all threads. The same boxes give the same hierarchy.
+    /// Builds a hierarchy over `boxes`, on all threads. Equal boxes give equal hierarchies.
     pub fn build(boxes: &[Bounds]) -> Self {
         if boxes.is_empty() {
             return Self::default();
@@ -108,7 +109,7 @@ fn in_parts(boxes: &[Bounds], room: Vec3A) -> Hierarchy {
     nodes::translate(&nodes, &order, &Items { parts, alone }, room)
 }
 
-/// By the surface area heuristic, one box in each leaf.
+/// Tree by the surface area heuristic, one box in each leaf.
 fn fast(boxes: &[Bounds]) -> (Vec<Bvh2Node>, Vec<u32>) {
     let mut tree = splits::split(boxes);
     let share = REINSERTED.max(LEAST_REINSERTED / tree.nodes.len() as f32);
@@ -116,7 +117,7 @@ fn fast(boxes: &[Bounds]) -> (Vec<Bvh2Node>, Vec<u32>) {
     (tree.nodes, tree.primitive_indices)
 }
 
-/// By halves along the longest axis, one box in each leaf.
+/// Tree by halves along the longest axis, one box in each leaf.
 fn balanced(boxes: &[Bounds]) -> (Vec<Bvh2Node>, Vec<u32>) {
     let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
     let mut nodes = vec![Bvh2Node::default()];
@@ -146,7 +147,8 @@ fn balanced(boxes: &[Bounds]) -> (Vec<Bvh2Node>, Vec<u32>) {
 mod tests {
     use super::*;
 
-    /// A ray may find each of `boxes`: every one stands in one leaf, within the boxes of all nodes above it.
+    /// Checks that a ray may find each of `boxes`: every one stands in one leaf, within the boxes of all nodes above
+    /// it.
     fn check(name: &str, boxes: &[Bounds]) {
         let hierarchy = Hierarchy::build(boxes);
         let mut found = vec![false; boxes.len()];

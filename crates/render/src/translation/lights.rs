@@ -1,4 +1,4 @@
-//! What the kernels choose light from: the emitters of a scene, the tree over them, the density of its sky.
+//! Lights that the kernels choose from: the emitters of a scene, the tree over them, the density of its sky.
 //!
 //! An emitter that is not listed is found by chance alone, as everything is where nothing can be chosen: infinite planes,
 //! bodies that refract (their surface may be hidden inside another's), skies without an image.
@@ -15,7 +15,7 @@ use raggio_kernels::{Emitter, EmitterKind, LIGHT_LEAF, LightNode, NO_TEXTURE, NO
 use bounds::LightBounds;
 use emitters::Listed;
 
-/// Kept from edit to edit: what has not changed is not built anew.
+/// Lights of a scene, kept from edit to edit: what has not changed is not built anew.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lights {
     bounds: Vec<LightBounds>,
@@ -87,10 +87,10 @@ impl Lights {
     }
 }
 
-/// More surfaces are left to chance: each takes some 120 bytes.
+/// Most surfaces that are listed; more are left to chance, for each takes some 120 bytes.
 const MOST_EMITTERS: usize = 1 << 24;
 
-/// Of a linear colour with Rec. 709 primaries.
+/// Luminance of a linear colour with Rec. 709 primaries.
 fn luminance([r, g, b]: [f32; 3]) -> f32 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }

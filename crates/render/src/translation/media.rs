@@ -1,9 +1,9 @@
-//! What the camera is inside of.
+//! Media around the camera: the dielectric bodies that it is inside of.
 
 use glam::{DAffine3, DVec3};
 use raggio_scene::{Geometry, Scene, Shape, rotation};
 
-/// A dielectric: what of a shape is of one material.
+/// A dielectric body: the part of a shape that is of one material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Body {
     /// Index of the shape.
@@ -28,7 +28,7 @@ pub fn media_around(scene: &Scene) -> Vec<Body> {
     bodies.into_iter().map(|(_, body)| body).collect()
 }
 
-/// What a shape is made of, each once.
+/// Materials that a shape is made of, each once.
 fn materials(shape: &Shape) -> Vec<usize> {
     let Geometry::Mesh { mesh, .. } = &shape.geometry else { return vec![shape.material] };
     let mut materials: Vec<_> = mesh.parts.iter().map(|part| shape.material_of(part)).collect();
@@ -46,7 +46,7 @@ fn way_out(shape: &Shape, material: usize, point: DVec3, direction: DVec3) -> Op
             let b = -f.dot(direction);
             (room > 0.0).then(|| b + (b * b + room).sqrt())
         }
-        // The half-space behind its normal.
+        // A plane fills the half-space behind its normal.
         Geometry::Plane { point: on_plane, normal } => {
             let n = normal.as_dvec3();
             let below = n.dot(on_plane.as_dvec3() - point);
@@ -72,7 +72,8 @@ fn way_out(shape: &Shape, material: usize, point: DVec3, direction: DVec3) -> Op
     }
 }
 
-/// By the parity of the surfaces ahead: a closed mesh is left once more than it is entered. The last of them counts.
+/// Distance to where one leaves a body of triangles, by the parity of the surfaces ahead: a closed mesh is left once
+/// more than it is entered. The last of them counts.
 fn way_out_of_mesh<'a>(
     positions: &[[f32; 3]],
     triangles: impl Iterator<Item = &'a [u32; 3]>,

@@ -16,7 +16,7 @@ use crate::translation::hierarchy::{Bounds, Hierarchy, moved};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Meshes {
     known: Vec<Known>,
-    /// By address.
+    /// Places of meshes among `known`, by their addresses.
     places: HashMap<usize, usize>,
     nodes: Arc<Vec<BvhNode>>,
     triangles: Arc<Vec<Triangle>>,
@@ -28,10 +28,10 @@ pub(crate) struct Meshes {
 /// A mesh that has been built.
 #[derive(Clone, Debug)]
 struct Known {
-    /// Kept, so that no other mesh can have its address.
+    /// Mesh, which is kept so that no other can have its address.
     mesh: Arc<Mesh>,
     bounds: Bounds,
-    /// Where its lists over vertices begin.
+    /// Word at which the mesh's lists over vertices begin.
     first_word: u32,
 }
 
@@ -52,7 +52,7 @@ impl Meshes {
         }
         let triangles = new.iter().map(|mesh| mesh.triangles.len()).sum();
         check_memory(triangles, machine::free_memory_bytes())?;
-        // Each is built on all threads if it is large, and many are built at once.
+        // Each mesh is built on all threads if it is large, and many are built at once.
         let parts: Vec<_> = new.par_iter().map(|mesh| Part::build(mesh)).collect();
         for (mesh, part) in new.into_iter().zip(parts) {
             self.append(mesh.clone(), part)?;
@@ -60,12 +60,12 @@ impl Meshes {
         Ok(())
     }
 
-    /// Where `mesh` stands in the scene's list.
+    /// Place of `mesh` in the scene's list; `None` if it is not held.
     pub fn place(&self, mesh: &Arc<Mesh>) -> Option<usize> {
         self.places.get(&address(mesh)).copied()
     }
 
-    /// Around the mesh at `place`.
+    /// Box around the mesh at `place`.
     pub fn bounds(&self, place: usize) -> Bounds {
         self.known[place].bounds
     }
@@ -79,7 +79,7 @@ impl Meshes {
         buffers.meshes = self.infos.clone();
     }
 
-    /// What was appended for the mesh at `place`.
+    /// Part of the lists that was appended for the mesh at `place`.
     fn part(&self, place: usize) -> Part {
         let DeviceMesh { root, first_triangle, normals, tangents, uv0, uv1, colors, .. } = self.infos[place];
         let Known { bounds, first_word, .. } = self.known[place];
@@ -147,7 +147,7 @@ fn address(mesh: &Arc<Mesh>) -> usize {
     Arc::as_ptr(mesh).addr()
 }
 
-/// Without a copy where there was nothing before.
+/// Appends `more` to `list`, without a copy where there was nothing before.
 fn extend<T: Clone>(list: &mut Arc<Vec<T>>, mut more: Vec<T>) {
     match list.is_empty() {
         true => *list = Arc::new(more),
@@ -224,7 +224,8 @@ fn attributes(mesh: &Mesh) -> (Vec<u32>, DeviceMesh) {
     (words, lists)
 }
 
-/// No direction at all, which the octahedron does not know: its lower corners fold to the same pole, and one stands for it.
+/// Code of no direction at all, which the octahedron does not know: its lower corners fold to the same pole, and one
+/// stands for it.
 const ZERO_VECTOR: u32 = 0xffff_ffff;
 
 /// A unit vector in 16 + 16 bits: the octahedron, unfolded [cigolle2014unitvectors]; zero has a code of its own.

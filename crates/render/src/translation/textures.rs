@@ -11,12 +11,12 @@ use rayon::prelude::*;
 
 use crate::translation::error::TranslationError;
 
-/// How an image's 8 or 16 bits stand for numbers; floats are linear in any case.
+/// Meaning of an image's 8 or 16 bits as numbers; floats are linear in any case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ColorSpace {
-    /// By the transfer function of IEC 61966-2-1, but for alpha.
+    /// Numbers encoded by the transfer function of IEC 61966-2-1, but for alpha.
     Srgb,
-    /// In proportion.
+    /// Numbers in proportion to the bits.
     Linear,
 }
 
@@ -30,7 +30,7 @@ pub struct TextureTable {
     used: HashSet<usize>,
     /// First words by the image's address. The image is kept, lest another come to have its address.
     images: HashMap<usize, (u32, Arc<Bitmap>)>,
-    /// Indices by value.
+    /// Indices of textures, by the textures' bytes.
     indices: HashMap<[u8; size_of::<DeviceTexture>()], u32>,
 }
 
@@ -45,8 +45,10 @@ impl TextureTable {
         self.used.clear();
     }
 
-    /// The index of `texture`, which is added if nobody has done so before. Fails if its image is too large, or all
-    /// images together are.
+    /// Index of `texture`, which is added if nobody has done so before.
+    ///
+    /// # Errors
+    /// A [`TranslationError`] when the texture's image is too large, or all images together are.
     pub fn add(&mut self, texture: &Texture, space: ColorSpace) -> Result<u32, TranslationError> {
         let [row_u, row_v] = texture.transform;
         let [wrap_u, wrap_v] = texture.wrap.map(|wrap| device_wrap(wrap) as u32);
@@ -69,7 +71,7 @@ impl TextureTable {
         Ok(index)
     }
 
-    /// For `SceneBuffers`: its `textures` and its `texels`.
+    /// Lists of the scene, for the `textures` and the `texels` of `SceneBuffers`.
     pub fn finish(&self) -> (Arc<Vec<DeviceTexture>>, Arc<Vec<u32>>) {
         (Arc::new(self.textures.clone()), self.texels.clone())
     }
@@ -91,7 +93,7 @@ impl TextureTable {
     }
 }
 
-/// Where an image begins that follows `used` words; every word of it must have a number of 32 bits.
+/// Word at which an image begins that follows `used` words; every word of it must have a number of 32 bits.
 fn first_word(used: usize, image: &Bitmap) -> Result<u32, TranslationError> {
     let words = u64::from(format(&image.texels, ColorSpace::Linear).words());
     let end = used as u64 + words * image.texels.len() as u64;
@@ -102,7 +104,7 @@ fn first_word(used: usize, image: &Bitmap) -> Result<u32, TranslationError> {
     Ok(used as u32)
 }
 
-/// Packs as `TexelFormat` says; large images on all cores.
+/// Appends `texels` to `words`, packed as `TexelFormat` says; large images on all cores.
 fn append(words: &mut Vec<u32>, texels: &Texels) {
     /// Texels, or numbers, that are not worth a task of their own.
     const FEW: usize = 1 << 16;
@@ -175,7 +177,7 @@ pub(crate) fn mean(texture: &DeviceTexture, texels: &[u32]) -> [f32; 3] {
     rows.into_iter().fold([0.0; 3], sum).map(|sum| (sum / count as f64) as f32)
 }
 
-/// IEC 61966-2-1.
+/// Linear value of an sRGB one (IEC 61966-2-1).
 fn srgb_decode(encoded: f32) -> f32 {
     if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }

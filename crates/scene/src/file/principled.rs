@@ -23,13 +23,13 @@ pub(crate) struct PrincipledFile {
     pub base_color_texture: Option<TextureFile>,
     /// Coverage, which `alpha_mode` puts to use. Default 1.
     pub alpha: Option<Fraction>,
-    /// What coverage does: "opaque" (default) nothing, "mask" cuts away what is below `alpha_cutoff`, "blend" lets part of the light pass.
+    /// Use of coverage: "opaque" (default) ignores it, "mask" cuts away what is below `alpha_cutoff`, "blend" lets part of the light pass.
     pub alpha_mode: Option<AlphaModeFile>,
-    /// Below this coverage there is no surface; needs `alpha_mode = "mask"`. Default 0.5.
+    /// Coverage below which there is no surface; needs `alpha_mode = "mask"`. Default 0.5.
     pub alpha_cutoff: Option<Fraction>,
-    /// From 0, a dielectric, to 1, a metal. Default 0.
+    /// Metalness from 0, a dielectric, to 1, a metal. Default 0.
     pub metallic: Option<Fraction>,
-    /// From 0, smooth, to 1. Default 1.
+    /// Roughness from 0, smooth, to 1. Default 1.
     pub roughness: Option<Fraction>,
     /// Green times `roughness`, blue times `metallic`.
     pub metallic_roughness_texture: Option<TextureFile>,
@@ -49,13 +49,13 @@ pub(crate) struct PrincipledFile {
     pub transmission_texture: Option<TextureFile>,
     /// Whether the surface is an infinitely thin sheet: what is transmitted is not bent, and there is no inside. Default false.
     pub thin_walled: Option<bool>,
-    /// What is left of white light after `attenuation_distance` inside the body. Default [1, 1, 1].
+    /// Colour that is left of white light after `attenuation_distance` inside the body. Default [1, 1, 1].
     pub attenuation_color: Option<[Fraction; 3]>,
     /// Distance after which `attenuation_color` is left; absent: nothing is absorbed.
     pub attenuation_distance: Option<Positive>,
-    /// 20 over the Abbe number; 0 (default) bends all colours alike.
+    /// Dispersion, which is 20 over the Abbe number; 0 (default) bends all colours alike.
     pub dispersion: Option<NonNegative>,
-    /// Of overlapping dielectrics the one of higher priority wins; of equal ones the one entered last. Default 0.
+    /// Priority among overlapping dielectrics: the higher one wins, and of equal ones the one entered last. Default 0.
     pub priority: Option<Priority>,
     /// Part of the diffuse light that leaves on the other side. Default 0.
     pub diffuse_transmission: Option<Fraction>,
@@ -69,23 +69,23 @@ pub(crate) struct PrincipledFile {
     pub clearcoat: Option<Fraction>,
     /// Red times `clearcoat`.
     pub clearcoat_texture: Option<TextureFile>,
-    /// From 0, smooth, to 1. Default 0.
+    /// Roughness of the clear coat from 0, smooth, to 1. Default 0.
     pub clearcoat_roughness: Option<Fraction>,
     /// Green times `clearcoat_roughness`.
     pub clearcoat_roughness_texture: Option<TextureFile>,
     /// Normals of the coat in tangent space; without it the coat is as smooth as the geometry.
     pub clearcoat_normal_map: Option<TextureFile>,
-    /// Multiplies x and y of `clearcoat_normal_map`. Default 1.
+    /// Factor that multiplies x and y of `clearcoat_normal_map`. Default 1.
     pub clearcoat_normal_scale: Option<Coordinate>,
     /// Reflectance of the sheen at grazing angles; black (default) is no sheen.
     pub sheen_color: Option<[Fraction; 3]>,
     /// Red, green and blue (sRGB) times `sheen_color`.
     pub sheen_color_texture: Option<TextureFile>,
-    /// From 0 to 1. Default 0.
+    /// Roughness of the sheen from 0 to 1. Default 0.
     pub sheen_roughness: Option<Fraction>,
     /// Alpha times `sheen_roughness`.
     pub sheen_roughness_texture: Option<TextureFile>,
-    /// How far highlights are stretched, from 0 to 1. Default 0.
+    /// Strength with which highlights are stretched, from 0 to 1. Default 0.
     pub anisotropy: Option<Fraction>,
     /// Degrees from the tangent to the direction in which highlights are stretched, counter-clockwise. Default 0.
     pub anisotropy_rotation: Option<Coordinate>,
@@ -97,9 +97,9 @@ pub(crate) struct PrincipledFile {
     pub iridescence_texture: Option<TextureFile>,
     /// Refractive index of the film. Default 1.3.
     pub iridescence_ior: Option<Ior>,
-    /// Nanometres where `iridescence_thickness_texture` is 0. Default 100.
+    /// Thickness of the film in nanometres where `iridescence_thickness_texture` is 0. Default 100.
     pub iridescence_thickness_minimum: Option<NonNegative>,
-    /// Nanometres where it is 1, or where there is none. Default 400.
+    /// Thickness of the film in nanometres where `iridescence_thickness_texture` is 1 or absent. Default 400.
     pub iridescence_thickness_maximum: Option<NonNegative>,
     /// Green chooses between the two thicknesses.
     pub iridescence_thickness_texture: Option<TextureFile>,
@@ -107,24 +107,24 @@ pub(crate) struct PrincipledFile {
     pub emissive: Option<Radiance>,
     /// Red, green and blue (sRGB) times `emissive`.
     pub emissive_texture: Option<TextureFile>,
-    /// Multiplied by `emissive` it is the emitted radiance. Default 1.
+    /// Strength of the emitted light: multiplied by `emissive` it is the emitted radiance. Default 1.
     pub emissive_strength: Option<Brightness>,
     /// Normals in the tangent space of its texture coordinates.
     pub normal_map: Option<TextureFile>,
-    /// Multiplies x and y of `normal_map`. Default 1.
+    /// Factor that multiplies x and y of `normal_map`. Default 1.
     pub normal_scale: Option<Coordinate>,
 }
 
-/// What coverage does.
+/// Use of coverage.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 #[schemars(rename = "AlphaMode")]
 pub(crate) enum AlphaModeFile {
-    /// Nothing: the surface is whole.
+    /// No use: the surface is whole.
     Opaque,
-    /// Where it is below `alpha_cutoff` there is no surface.
+    /// A cut: there is no surface where coverage is below `alpha_cutoff`.
     Mask,
-    /// The part of light that meets the surface; the rest passes.
+    /// A blend: coverage is the part of light that meets the surface; the rest passes.
     Blend,
 }
 
@@ -135,21 +135,21 @@ pub(crate) enum AlphaModeFile {
 pub(crate) struct TextureTable {
     /// Path of a PNG, JPEG, WebP, KTX2, HDR or EXR file, relative to the scene file.
     pub image: String,
-    /// Which of the mesh's sets of texture coordinates, 0 (default) or 1.
+    /// Number of the mesh's set of texture coordinates, 0 (default) or 1.
     pub uv_set: Option<Whole<0, 1>>,
-    /// Added to the texture coordinates, last; (0, 0) is the image's top left corner, (1, 1) its bottom right. Default [0, 0].
+    /// Offset added to the texture coordinates, last; (0, 0) is the image's top left corner, (1, 1) its bottom right. Default [0, 0].
     pub offset: Option<[Coordinate; 2]>,
-    /// Turns the texture coordinates counter-clockwise about (0, 0), so that the image seems to turn clockwise. Default 0.
+    /// Angle by which texture coordinates are turned counter-clockwise about (0, 0), so that the image seems to turn clockwise. Default 0.
     pub rotation_degrees: Option<Coordinate>,
-    /// Multiplies the texture coordinates, first. Default [1, 1].
+    /// Factors that multiply the texture coordinates, first. Default [1, 1].
     pub scale: Option<[Coordinate; 2]>,
-    /// What lies beyond the image's edges, for both directions or for u and v apart: "repeat" (default), "mirrored_repeat" or "clamp_to_edge".
+    /// Continuation beyond the image's edges, for both directions or for u and v apart: "repeat" (default), "mirrored_repeat" or "clamp_to_edge".
     pub wrap: Option<WrapFile>,
-    /// What lies between the centres of texels: "linear" (default) or "nearest".
+    /// Interpolation between the centres of texels: "linear" (default) or "nearest".
     pub filter: Option<TextureFilterFile>,
 }
 
-/// The same for both directions, or one for u and one for v.
+/// One continuation for both directions, or one for u and one for v.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(
     untagged,
@@ -157,13 +157,13 @@ pub(crate) struct TextureTable {
 )]
 #[schemars(rename = "Wrap")]
 pub(crate) enum WrapFile {
-    /// For both directions.
+    /// Continuation for both directions.
     Both(WrapName),
-    /// For u and for v.
+    /// Continuations for u and for v.
     Each([WrapName; 2]),
 }
 
-/// What lies beyond an image's edges.
+/// Continuation beyond an image's edges.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum WrapName {
@@ -171,18 +171,18 @@ pub(crate) enum WrapName {
     Repeat,
     /// The image mirrored, then again as it is.
     MirroredRepeat,
-    /// Its outermost texels.
+    /// The outermost texels of the image.
     ClampToEdge,
 }
 
-/// What lies between the centres of texels.
+/// Interpolation between the centres of texels.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 #[schemars(rename = "TextureFilter")]
 pub(crate) enum TextureFilterFile {
-    /// A blend of the four around.
+    /// A blend of the four texels around.
     Linear,
-    /// The nearest.
+    /// The nearest texel.
     Nearest,
 }
 

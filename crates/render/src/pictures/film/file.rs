@@ -55,7 +55,7 @@ pub enum FilmError {
     Damaged {
         /// Path of the file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Damage that was found.
         reason: String,
     },
     /// A film that this machine has no memory for.
@@ -92,7 +92,7 @@ impl Film {
     /// Writes the film, its label and a checksum to `path`, whole or not at all.
     ///
     /// # Errors
-    /// When the film has no label, or the file cannot be written.
+    /// A [`FilmError`] when the film has no label, or the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), FilmError> {
         let label = self.label().ok_or(FilmError::Unlabelled)?;
         let written = write_whole_with(path, |file| {
@@ -116,8 +116,8 @@ impl Film {
     /// Reads a film that [`Film::write`] has written.
     ///
     /// # Errors
-    /// When the file cannot be read, is no film or one of a later format, is damaged in any byte or cut short, or needs
-    /// more memory than the machine has.
+    /// A [`FilmError`] when the file cannot be read, is no film or one of a later format, is damaged in any byte or cut
+    /// short, or needs more memory than the machine has.
     pub fn read(path: &Path) -> Result<Self, FilmError> {
         let path_of = || path.to_path_buf();
         let read = File::open(path).map_err(Fault::System).and_then(|file| from_reader(BufReader::new(file)));
@@ -131,7 +131,7 @@ impl Film {
     }
 }
 
-/// Everything before the pixels.
+/// Bytes of a film's file before the pixels.
 fn header(film: &Film, label: &Label) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
     let word = |bytes: &mut Vec<u8>, word: u32| bytes.extend(word.to_le_bytes());

@@ -1,4 +1,4 @@
-//! What a film is a picture of, and which samples it has.
+//! Labels of films: the picture that a film is of, and the samples that it has.
 
 use std::fmt;
 use std::ops::Range;
@@ -12,7 +12,8 @@ pub struct Portion {
     pub rows: Range<u32>,
 }
 
-/// What a film is a picture of, and which samples it has: films of one picture that share no sample may be merged.
+/// Label of a film: the picture that it is of, and the samples that it has. Films of one picture that share no sample
+/// may be merged.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
     pub(super) version: String,
@@ -75,8 +76,8 @@ impl Label {
         self.settings.iter().map(|(key, value)| (key.as_str(), value.as_str()))
     }
 
-    /// Samples that the film has, in order; no two portions have one in common. A pixel has fewer where adaptive sampling
-    /// let it rest.
+    /// Samples that the film has, in order; no two portions have one in common. A pixel has fewer where adaptive
+    /// sampling let it rest.
     pub fn portions(&self) -> &[Portion] {
         &self.portions
     }
@@ -92,8 +93,10 @@ impl Label {
         Ok(())
     }
 
+    /// Checks that both labels are of one picture, sampled in one way.
+    ///
     /// # Errors
-    /// When the labels are of different pictures, or of one that was sampled in different ways.
+    /// A [`MergeError`] when they are of different pictures, or of one that was sampled in different ways.
     pub(super) fn check_same_picture(&self, other: &Self) -> Result<(), MergeError> {
         if self.version != other.version {
             return Err(MergeError::Version(self.version.clone(), other.version.clone()));
@@ -138,7 +141,7 @@ impl Portion {
         (!common.is_empty()).then_some(common)
     }
 
-    /// Both as one portion, if one continues the other.
+    /// Portion that is both together, if one continues the other.
     fn joined(&self, other: &Self) -> Option<Self> {
         let meet = |a: &Range<u32>, b: &Range<u32>| a.end == b.start || b.end == a.start;
         let around = |a: &Range<u32>, b: &Range<u32>| a.start.min(b.start)..a.end.max(b.end);

@@ -1,8 +1,8 @@
-//! What rough surfaces lose to a single bounce, of all scenes: `kernels/materials/albedo.slang` says what it means.
+//! Tables of what rough surfaces lose to a single bounce, for all scenes; `kernels/materials/albedo.slang` reads them.
 
 use std::sync::{Arc, OnceLock};
 
-/// Written by `scripts/tabulate_albedos.py`: numbers of 16 bits, little-endian, four to a node.
+/// Tables that `scripts/tabulate_albedos.py` writes: numbers of 16 bits, little-endian, four to a node.
 const TABLES: &[u8] = include_bytes!("albedos.bin");
 
 /// The tables, shared among all scenes.

@@ -31,7 +31,7 @@ impl Materials {
         Ok(list)
     }
 
-    /// Whether any of them takes light away inside its bodies.
+    /// Whether any of the materials takes light away inside its bodies.
     pub fn absorbing(&self) -> bool {
         self.materials.iter().any(|material| material.absorption != [0.0; 3])
     }
@@ -59,7 +59,7 @@ fn plain(material: &Material) -> DeviceMaterial {
     }
 }
 
-/// What the path has to know of a principled material's bodies.
+/// Material for the bodies of a principled one: all that a path has to know of them.
 fn body(principled: &Principled, index: u32) -> DeviceMaterial {
     let is_body = principled.transmission > 0.0 && !principled.thin_walled;
     // White light has the attenuation colour after the attenuation distance; no colour is quite black.
@@ -75,7 +75,7 @@ fn body(principled: &Principled, index: u32) -> DeviceMaterial {
     }
 }
 
-/// glTF's 0 stands for an infinite index, which bends like a large one.
+/// Refractive index of a principled material; glTF's 0 stands for an infinite one, which bends like a large one.
 fn refractive_index(principled: &Principled) -> f32 {
     if principled.ior > 0.0 { principled.ior } else { 1000.0 }
 }
@@ -96,7 +96,7 @@ fn device_principled(
         AlphaMode::Blend => (DeviceAlphaMode::Blend, 0.0),
     };
     let (sine, cosine) = p.anisotropy_rotation.sin_cos();
-    // In the order of `PrincipledTexture`.
+    // Textures stand in the order of `PrincipledTexture`.
     let textures = [
         add(&p.base_color_texture, color)?,
         add(&p.metallic_roughness_texture, data)?,

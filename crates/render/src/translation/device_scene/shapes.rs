@@ -10,7 +10,7 @@ use super::materials::has_holes;
 use crate::translation::bounds::instance_scale;
 use crate::translation::meshes::Meshes;
 
-/// A list for each kind.
+/// Lists of shapes, one for each kind.
 #[derive(Default)]
 pub(super) struct Shapes<'a> {
     materials: &'a [Material],
@@ -22,7 +22,7 @@ pub(super) struct Shapes<'a> {
 }
 
 impl<'a> Shapes<'a> {
-    /// None yet, made of these materials.
+    /// Empty lists, for shapes that are made of `materials`.
     pub fn new(materials: &'a [Material]) -> Self {
         Self { materials, ..Self::default() }
     }
@@ -87,7 +87,7 @@ impl<'a> Shapes<'a> {
     }
 }
 
-/// Appends `shape`, and says where it is.
+/// Appends `shape`, and returns its index.
 fn push<T>(list: &mut Vec<T>, shape: T) -> u32 {
     list.push(shape);
     list.len() as u32 - 1

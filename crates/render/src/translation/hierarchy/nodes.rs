@@ -1,4 +1,4 @@
-//! From the builder's nodes to those of the kernels, which hold the boxes of both their children.
+//! Translation of the builder's nodes to those of the kernels, which hold the boxes of both their children.
 
 use bytemuck::zeroed_vec;
 use glam::Vec3A;
@@ -10,14 +10,14 @@ use rayon::prelude::*;
 
 use super::{Bounds, Hierarchy};
 
-/// Leaves in one child. More make a smaller hierarchy and a slower one.
+/// Most leaves in one child. More make a smaller hierarchy and a slower one.
 const LEAVES: usize = 3;
 /// A coordinate beyond all scenes.
 const NOWHERE: f32 = 1e30;
-/// How much larger boxes are made, in parts of the largest coordinate: sixteen roundings, for the kernels need twelve.
+/// Room that boxes get, in parts of the largest coordinate: sixteen roundings, for the kernels need twelve.
 const ROOM: f32 = 8.0 * f32::EPSILON;
 
-/// What the leaves of a tree hold, one each, by number.
+/// Items that the leaves of a tree hold, one each, by number.
 pub(super) struct Items {
     /// Trees, which have the numbers from 0.
     pub parts: Vec<Hierarchy>,
@@ -46,7 +46,7 @@ struct Tree<'a> {
     room: Vec3A,
 }
 
-/// What a leaf holds.
+/// Item that a leaf holds.
 enum Item {
     /// The tree of this number.
     Part(usize),
@@ -55,7 +55,7 @@ enum Item {
 }
 
 impl Tree<'_> {
-    /// What `node` holds, if it is a leaf.
+    /// Item that `node` holds, if it is a leaf.
     fn item(&self, node: usize) -> Option<Item> {
         let Items { parts, alone } = self.items;
         let Bvh2Node { prim_count, first_index, .. } = self.nodes[node];
@@ -95,11 +95,11 @@ impl Tree<'_> {
         around(self.nodes[node].aabb(), self.room, first as u32, count)
     }
 
-    /// All above the parts, and where those hang; they count as levels already.
+    /// Hierarchy of all above the parts, whose levels it counts already, and links to those.
     fn top(&self) -> (Hierarchy, Vec<Link>) {
         let mut made = Hierarchy { nodes: vec![BvhNode::default()], order: vec![], levels: 1 };
         let mut links = vec![];
-        // Where a node goes, its level, and what it is made of.
+        // Place of a node, its level, and the builder's node that it is made of.
         let mut waiting = vec![(0, 1, 0)];
         while let Some((place, level, node)) = waiting.pop() {
             made.levels = made.levels.max(level);
@@ -132,7 +132,7 @@ struct Link {
     part: usize,
 }
 
-/// One tree of a `top` and the `parts` that hang below it, which stand behind it in their order.
+/// Joins a `top` and the `parts` that hang below it to one tree; the parts stand behind the top in their order.
 fn join(mut top: Hierarchy, links: &[Link], parts: &[Hierarchy]) -> Hierarchy {
     let (mut nodes, mut leaves) = (top.nodes.len(), top.order.len());
     let mut places = Vec::with_capacity(parts.len());
@@ -165,7 +165,7 @@ fn join(mut top: Hierarchy, links: &[Link], parts: &[Hierarchy]) -> Hierarchy {
     all
 }
 
-/// How much larger boxes are made that have `all` around them.
+/// Room that boxes get on each side that have `all` around them.
 pub(super) fn room(all: Bounds) -> Vec3A {
     Vec3A::splat(ROOM * all.0.abs().max(all.1.abs()).max_element())
 }
@@ -210,7 +210,7 @@ pub(super) fn refit(nodes: &[BvhNode], first_place: u32, order: &[u32], boxes: &
     nodes
 }
 
-/// What following a hierarchy costs on average, but for a factor: the area of its boxes over that of the root's.
+/// Cost of following a hierarchy on average, but for a factor: the area of its boxes over that of the root's.
 pub(super) fn cost(nodes: &[BvhNode]) -> f64 {
     let area = |child: &BvhChild| {
         let [lower, upper] = child.corners().map(|corner| corner.map(f64::from));

@@ -1,15 +1,15 @@
-//! Large hierarchies are built in parts, one for each cell of a grid: parts fit into caches, and each thread has its own.
+//! Parts of large hierarchies, one for each cell of a grid: they fit into caches, and each thread builds its own.
 
 use glam::UVec3;
 use rayon::prelude::*;
 
 use super::Bounds;
 
-/// So many boxes are built in one piece.
+/// Most boxes that are built in one piece.
 const LARGE: usize = 1 << 15;
 /// Boxes that a cell should have.
 const IN_CELL: usize = 1 << 13;
-/// A cell with fewer is no part.
+/// Least number of boxes in a cell that is a part.
 const SCARCE: usize = 1 << 8;
 /// Cells along the longest side of the grid.
 const MOST_CELLS: f32 = 32.0;
@@ -17,9 +17,9 @@ const MOST_CELLS: f32 = 32.0;
 /// Boxes by the part they belong to, as indices.
 #[derive(Debug, Default)]
 pub(super) struct Parts {
-    /// At least [`SCARCE`] boxes in each, and not all in one.
+    /// Boxes of each part: at least [`SCARCE`], and not all in one.
     pub together: Vec<Vec<u32>>,
-    /// The others: boxes larger than a cell, and those in cells that hardly have any.
+    /// Boxes of no part: those larger than a cell, and those in cells that hardly have any.
     pub alone: Vec<u32>,
 }
 
@@ -32,7 +32,7 @@ pub(super) fn divide(boxes: &[Bounds]) -> Parts {
     let point = |bounds: &Bounds| Bounds(bounds.center(), bounds.center());
     let Bounds(lower, upper) = boxes.par_iter().map(point).reduce(|| Bounds::EMPTY, Bounds::union);
     let extent = upper - lower;
-    // As if a surface went through the grid, which has so many cells on each of three sides.
+    // The grid is divided as if a surface went through it, which has so many cells on each of three sides.
     let side = (boxes.len() as f32 / (3 * IN_CELL) as f32).sqrt().clamp(2.0, MOST_CELLS).floor();
     let edge = extent.max_element() / side;
     if !edge.is_normal() {

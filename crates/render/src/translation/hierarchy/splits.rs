@@ -10,7 +10,7 @@ use obvhs::bvh2::node::Bvh2Node;
 
 use super::Bounds;
 
-/// Slices of equal width along each axis, at most; a split lies between two.
+/// Most slices of equal width along an axis; a split lies between two.
 const SLICES: usize = 16;
 
 #[derive(Clone, Copy)]
@@ -48,7 +48,7 @@ pub(super) fn split(boxes: &[Bounds]) -> Bvh2 {
     Bvh2 { nodes, primitive_indices: items.iter().map(|item| item.index).collect(), ..Bvh2::default() }
 }
 
-/// Moves those of at least two `items` to the front that go to the left, and returns how many they are: not all, not none.
+/// Moves those of at least two `items` to the front that go to the left, and returns how many: not all, not none.
 fn part(items: &mut [Item]) -> usize {
     if items.len() == 2 {
         return 1;
@@ -71,10 +71,10 @@ fn part(items: &mut [Item]) -> usize {
 
 /// Numbers of slices from centers.
 struct Slices {
-    /// Along each axis.
+    /// Number of slices along each axis.
     count: usize,
     first: Vec3A,
-    /// 0 along axes that cannot be divided.
+    /// Slices per unit of length along each axis; 0 along axes that cannot be divided.
     per_unit: Vec3A,
 }
 

@@ -4,23 +4,23 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 use glam::Vec3;
 
-/// Of one light, or of several together. What the members mean is said at `LightNode` in `kernels/lights/node.slang`.
+/// Bounds of one light, or of several together. `LightNode` in `kernels/lights/node.slang` says what the members mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LightBounds {
     pub lower: Vec3,
     pub upper: Vec3,
     pub power: f32,
     pub axis: Vec3,
-    /// Radians.
+    /// Largest angle of a light's normal to the axis, in radians; negative if there is no light.
     pub spread: f32,
-    /// Radians.
+    /// Largest angle to its normal at which a light shines, in radians.
     pub falloff: f32,
     pub two_sided: bool,
     pub infinite: bool,
 }
 
 impl LightBounds {
-    /// Of no light at all.
+    /// Bounds of no light at all.
     pub const NONE: Self = Self {
         lower: Vec3::INFINITY,
         upper: Vec3::NEG_INFINITY,
@@ -32,33 +32,33 @@ impl LightBounds {
         infinite: false,
     };
 
-    /// Of flat pieces with one normal.
+    /// Bounds of flat pieces with one normal.
     pub fn flat(lower: Vec3, upper: Vec3, power: f32, normal: Vec3, two_sided: bool) -> Self {
         let (axis, spread, falloff) = (normal, 0.0, FRAC_PI_2);
         Self { lower, upper, power, axis, spread, falloff, two_sided, infinite: false }
     }
 
-    /// Shines in all directions.
+    /// Bounds of a light that shines in all directions.
     pub fn round(lower: Vec3, upper: Vec3, power: f32) -> Self {
         Self { spread: PI, falloff: FRAC_PI_2, ..Self::flat(lower, upper, power, Vec3::Z, false) }
     }
 
-    /// Shines to all sides within an angle of `axis`, from one point.
+    /// Bounds of a light that shines to all sides within an angle of `axis`, from one point.
     pub fn spot(position: Vec3, power: f32, axis: Vec3, angle: f32) -> Self {
         Self { falloff: angle, ..Self::flat(position, position, power, axis, false) }
     }
 
-    /// Infinitely far away, in one direction.
+    /// Bounds of a light that is infinitely far away, in one direction.
     pub fn distant(direction: Vec3, irradiance: f32) -> Self {
         Self { infinite: true, falloff: 0.0, ..Self::flat(Vec3::ZERO, Vec3::ZERO, irradiance, direction, false) }
     }
 
-    /// Infinitely far away, in all directions.
+    /// Bounds of a light that is infinitely far away, in all directions.
     pub fn everywhere(irradiance: f32) -> Self {
         Self { spread: PI, ..Self::distant(Vec3::Y, irradiance) }
     }
 
-    /// Of both.
+    /// Bounds of both together.
     pub fn with(self, other: Self) -> Self {
         if other.spread < 0.0 {
             return self;
@@ -86,7 +86,7 @@ impl LightBounds {
         0.5 * (self.lower + self.upper)
     }
 
-    /// What it costs to have these lights in one node: power x size x the measure of directions that they reach.
+    /// Cost of having these lights in one node: power x size x the measure of directions that they reach.
     pub fn cost(&self) -> f32 {
         let (o, w) = (self.spread, (self.spread + self.falloff).min(PI));
         let beyond = 2.0 * w * o.sin() - (o - 2.0 * w).cos() - 2.0 * o * o.sin() + o.cos();

@@ -130,7 +130,7 @@ fn list_triangles(buffers: &SceneBuffers, place: usize, instance: &Instance, rad
         let [a, b, c] = [triangle.a, triangle.b, triangle.c].map(map);
         let across = (b - a).cross(c - a);
         let power = (0.5 * radiance * across.length()).min(f32::MAX);
-        // Without area it cannot be sampled, and is not seen.
+        // A triangle without area cannot be sampled, and is not seen.
         if power > 0.0 {
             let normal = instance.handedness * across.normalize_or(Vec3::Z);
             let bounds = LightBounds::flat(a.min(b).min(c), a.max(b).max(c), power, normal, true);
@@ -157,7 +157,7 @@ fn light_bounds(light: &Light, power: f32) -> LightBounds {
     if light.kind == LightKind::Point as u32 {
         return LightBounds::round(position, position, power);
     }
-    // Where the fading cosine is 0.
+    // The outer angle is where the fading cosine is 0.
     let outer = (-light.angle_offset / light.angle_scale).clamp(-1.0, 1.0).acos();
     LightBounds::spot(position, power, direction, outer)
 }

@@ -12,14 +12,14 @@ use crate::translation::textures::texel;
 /// A pyramid of sums over the image's cells.
 #[derive(Clone, Debug)]
 pub(super) struct Density {
-    /// Four cells in each element, the coarsest level first; empty if there is nothing to sample.
+    /// Sums of cells, four in each element, the coarsest level first; empty if there is nothing to sample.
     pub sums: Arc<Vec<[f32; 4]>>,
-    /// The irradiance that it causes, about.
+    /// Irradiance that the image causes beyond its mean, about.
     pub power: f32,
 }
 
 impl Density {
-    /// Of an image of the sky whose radiance is multiplied by `intensity`.
+    /// Density of an image of the sky whose radiance is multiplied by `intensity`.
     pub fn new(texture: &Texture, texels: &[u32], intensity: f32) -> Self {
         let (width, height) = (texture.width as usize, texture.height as usize);
         let solid_angles: Vec<f64> = (0..height)

@@ -8,11 +8,11 @@ use crate::translation::meshes::pack_unit_vector;
 
 /// Places along each axis between which lights are parted.
 const BINS: usize = 12;
-/// Trees deeper than this are parted by halves from there on.
+/// Most levels of a tree that are parted by cost; those beyond are parted by halves.
 const MOST_LEVELS: u32 = 64;
-/// Fewer lights are not worth another thread.
+/// Least number of lights that are worth another thread.
 const FEW: usize = 4096;
-/// By how much the packed axes of nodes may be off, in radians, and more.
+/// Angle by which the packed axes of nodes may be off, in radians, and more.
 const AXIS_ERROR: f32 = 1e-4;
 
 /// A tree with one light in each leaf: the root first, children side by side, left ones at odd places. The same lights
@@ -34,7 +34,7 @@ struct Item {
     light: u32,
 }
 
-/// Where a node stands, and where the room for those below it begins: two for each light but one.
+/// Place of a node, and the place where the room for those below it begins: two for each light but one.
 struct Branch {
     place: u32,
     first: u32,
@@ -43,7 +43,7 @@ struct Branch {
 }
 
 impl Branch {
-    /// Returns the bounds of all `items`.
+    /// Fills the node and those below it, and returns the bounds of all `items`.
     fn fill(self, items: &mut [Item], root: &mut LightNode, below: &mut [LightNode]) -> LightBounds {
         let is_leaf = items.len() == 1;
         let (bounds, child) = match items {
@@ -67,7 +67,7 @@ impl Branch {
         bounds
     }
 
-    /// Fills both halves.
+    /// Fills the nodes of both halves of `items`, and returns the bounds of all.
     fn part(&self, items: &mut [Item], below: &mut [LightNode]) -> LightBounds {
         let large = items.len() >= FEW;
         let middle = split(items, self.level);
@@ -85,7 +85,7 @@ impl Branch {
     }
 }
 
-/// Sorts `items` into two parts; where the second begins. Infinitely far lights stand apart from others.
+/// Sorts `items` into two parts, and returns where the second begins. Infinitely far lights stand apart from others.
 fn split(items: &mut [Item], level: u32) -> usize {
     let far = partition(items, |item| item.bounds.infinite);
     if far > 0 && far < items.len() {
@@ -133,7 +133,8 @@ fn best_plane(items: &[Item]) -> Option<(usize, f32)> {
     best
 }
 
-/// Brings the items of which `first` is true to the front; how many they are. Their order depends on nothing else.
+/// Brings the items of which `first` is true to the front, and returns how many they are. Their order depends on
+/// nothing else.
 fn partition(items: &mut [Item], first: impl Fn(&Item) -> bool) -> usize {
     let mut count = 0;
     for i in 0..items.len() {
