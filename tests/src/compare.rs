@@ -50,21 +50,25 @@ pub fn difference(reference: &Image, image: &Image) -> Difference {
 }
 
 /// Errors of the blocks' mean luminances, each in units of the standard error that the film's own variance tells. A film
-/// of independent samples without bias has the normal distribution's; the reference counts as free of noise.
+/// of independent samples without bias has the normal distribution's. The reference counts as right to a thousandth, and
+/// the standard error of a block that samples hardly reach, where variances are guesses, as 3e-4 of the picture's mean.
 pub fn scores(reference: &Image, film: &Film) -> Vec<f64> {
     let (width, height) = (film.width() as usize, film.height() as usize);
     assert_eq!((reference.width as usize, reference.height as usize), (width, height), "pictures of different sizes");
     let luminance = |&[red, green, blue]: &[f32; 3]| 0.2126 * red + 0.7152 * green + 0.0722 * blue;
     let corners = (0..height / BLOCK).flat_map(|y| (0..width / BLOCK).map(move |x| (y * BLOCK, x * BLOCK)));
+    let mean = reference.pixels.iter().map(|pixel| f64::from(luminance(pixel))).sum::<f64>() / (width * height) as f64;
+    let dark = 3e-4 * mean * (BLOCK * BLOCK) as f64;
     let score = |(top, left): (usize, usize)| {
-        let (mut error, mut variance) = (0.0, 0f64);
+        let (mut found, mut expected, mut variance) = (0.0, 0.0, 0f64);
         for i in 0..BLOCK * BLOCK {
             let place = (top + i / BLOCK) * width + left + i % BLOCK;
             let pixel = &film.pixels()[place];
-            error += pixel.luminance() - f64::from(luminance(&reference.pixels[place]));
+            expected += f64::from(luminance(&reference.pixels[place]));
+            found += pixel.luminance();
             variance += pixel.luminance_error().expect("more than one sample").powi(2);
         }
-        error / variance.sqrt()
+        (found - expected) / variance.sqrt().hypot(dark + 1e-3 * expected)
     };
     corners.map(score).collect()
 }

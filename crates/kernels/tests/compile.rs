@@ -60,8 +60,9 @@ fn what_the_host_knows_may_not() {
 
 #[test]
 fn mistakes_are_named_with_file_and_line() {
-    let error =
-        edited("camera.slang", "// The camera: rays of points of the film.", "float broken( {").expect_err("not Slang").to_string();
+    let error = edited("camera.slang", "// The camera: rays of points of the film.", "float broken( {")
+        .expect_err("not Slang")
+        .to_string();
     assert!(error.contains("camera.slang:1"), "{error}");
     let error = spirv(Path::new("nowhere")).expect_err("no kernels").to_string();
     assert!(error.contains("nowhere"), "{error}");
