@@ -5,7 +5,8 @@
 
 env := . scripts/env.sh &&
 # Tests also run the CPU kernels with bounds checks; what checks builds the same, or it would be built twice.
-test_env := $(env) RAGGIO_KERNEL_LEVELS=all
+# Mesa's compiler of software Vulkan takes half as long for short vectors; programs that are run so are tests alone.
+test_env := $(env) LP_NATIVE_VECTOR_WIDTH=128 RAGGIO_KERNEL_LEVELS=all
 
 PREFIX ?= $(HOME)/.local
 target := $${CARGO_TARGET_DIR:-target}
