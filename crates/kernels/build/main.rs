@@ -35,7 +35,9 @@ fn main() {
 
 /// Compiles all there is to compile. The machine code waits for the C++ alone, and the SPIR-V for nothing.
 fn build(out: &Path) -> Result<(), String> {
-    let slang = Slang::find(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))?;
+    // Asked for as it runs: a folder that was moved with its `target` has the script of the old place.
+    let package = std::env::var("CARGO_MANIFEST_DIR").map_err(|_| "cargo sets CARGO_MANIFEST_DIR")?;
+    let slang = Slang::find(&Path::new(&package).join("../.."))?;
     let (cache, jobs) = (Cache::beside(out), Jobs::from_cargo());
     let (cpp, spirv) = (out.join("kernels.generated.cpp"), out.join("kernels.spv"));
     let levels = cpp::levels()?;
