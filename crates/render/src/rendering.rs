@@ -12,7 +12,7 @@ use crate::pictures::aov::Features;
 use crate::pictures::film::Film;
 use crate::pictures::image_file::Extras;
 use crate::pictures::metadata::Metadata;
-use crate::pictures::picture::Picture;
+use crate::pictures::picture::{Guides, Picture};
 use crate::renderer::{Progress, Renderer};
 use crate::request::{Observer, RenderRequest};
 use crate::translation::device_scene::DeviceScene;
@@ -156,7 +156,7 @@ impl Rendering {
         if let Some(features) = features {
             let layers = self.request.layers.iter();
             extras.channels = layers.flat_map(|aov| aov.channels(&film, &features, &self.scene)).collect();
-            guides = self.request.denoise.then(|| (features.albedos(), features.normals()));
+            guides = self.request.denoise.then(|| Guides { albedos: features.albedos(), normals: features.normals() });
         }
         Picture { film, extras, guides }
     }

@@ -14,8 +14,17 @@ pub struct Picture {
     pub film: Film,
     /// Layers, and how the picture was made.
     pub extras: Extras,
-    /// Albedos and normals of the first surfaces, row by row from the top left, if they were asked for.
-    pub(crate) guides: Option<(Vec<[f32; 3]>, Vec<[f32; 3]>)>,
+    /// Guides of the denoiser, if they were asked for.
+    pub(crate) guides: Option<Guides>,
+}
+
+/// First surfaces of a picture, row by row from the top left, with the noise of edges.
+#[derive(Clone, Debug)]
+pub(crate) struct Guides {
+    /// Colours, black where there is no surface.
+    pub albedos: Vec<[f32; 3]>,
+    /// Normals, 0 where there is no surface.
+    pub normals: Vec<[f32; 3]>,
 }
 
 impl Picture {
@@ -35,7 +44,7 @@ impl Picture {
         let mean = self.film.mean();
         let [width, height] = [mean.width, mean.height].map(|side| side as usize);
         let guides = match &self.guides {
-            Some((albedos, normals)) => Some(denoiser.guides([width, height], albedos, normals)?),
+            Some(Guides { albedos, normals }) => Some(denoiser.guides([width, height], albedos, normals)?),
             None => None,
         };
         let noisy = Noisy { width, height, color: &mean.pixels, guides: guides.as_ref() };
