@@ -2,12 +2,9 @@ use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use raggio_render::{Film, Progress};
+use raggio_render::{Film, Progress, UNLIMITED_SAMPLES};
 
 use crate::output::say;
-
-/// Number of samples that stands for no limit.
-pub const UNLIMITED: u32 = i32::MAX as u32;
 
 /// Tells the user how a render goes: a bar on a terminal, now and then a line elsewhere, nothing when quiet.
 pub enum Reporter {
@@ -74,7 +71,7 @@ impl Reporter {
             let mean = film.samples() as f64 / film.pixels().len() as f64;
             self.say(&format!("{fewest} to {most} samples per pixel, {mean:.1} on average"));
         } else if progress.samples < target {
-            let is_limited = target < UNLIMITED;
+            let is_limited = target < UNLIMITED_SAMPLES;
             let of = if is_limited { format!("stopped early: {fewest} of {target}") } else { fewest.to_string() };
             self.say(&format!("{of} samples per pixel"));
         }
@@ -92,7 +89,7 @@ impl Reporter {
 
 fn describe(progress: &Progress, target: u32) -> String {
     let rate = progress.total_samples as f64 / progress.seconds.max(1e-9);
-    if target == UNLIMITED {
+    if target == UNLIMITED_SAMPLES {
         return format!("{} samples  {} samples/s", progress.samples, millions(rate));
     }
     let left = progress.seconds * (1.0 - progress.fraction) / progress.fraction.max(1e-9);

@@ -8,13 +8,14 @@ use std::time::Instant;
 
 use raggio_render::{
     Aov, Choice, Denoiser, Display, ImageFile, Observer, Picture, Progress, RenderRequest, Rendering, Stop,
+    UNLIMITED_SAMPLES,
 };
 use raggio_scene::{Assets, Integrator, Scene};
 
 use crate::args::{DemoArguments, MachineArguments, Overrides, RenderArguments};
 use crate::error::{Failure, cannot_write};
 use crate::output::say;
-use crate::progress::{Reporter, UNLIMITED};
+use crate::progress::Reporter;
 use crate::stats::Stats;
 
 const SHOWCASE: &str = include_str!("../../../scenes/showcase.toml");
@@ -108,7 +109,7 @@ fn run(
     let setup_seconds = start.elapsed().as_secs_f64();
     let samples = rendering.samples().end;
     // Nobody knows how long it takes until the noise is low.
-    let reporter = Reporter::new(machine.quiet, if stop.noise.is_none() { samples } else { UNLIMITED });
+    let reporter = Reporter::new(machine.quiet, if stop.noise.is_none() { samples } else { UNLIMITED_SAMPLES });
     let (width, height) = (scene.render.width, scene.render.height);
     reporter.say(&format!("{width}x{height}, {} on {}", describe_end(samples, &stop), device.name()));
 
@@ -181,7 +182,7 @@ fn override_settings(scene: &mut Scene, overrides: &Overrides) {
 /// End of the render that is asked for, in words.
 fn describe_end(samples: u32, stop: &Stop) -> String {
     let limits = [
-        (samples < UNLIMITED).then(|| format!("{samples} samples")),
+        (samples < UNLIMITED_SAMPLES).then(|| format!("{samples} samples")),
         stop.noise.map(|noise| format!("an error below {noise}")),
         stop.time_limit.map(|seconds| format!("{seconds} s")),
     ];

@@ -37,7 +37,7 @@ pub use raggio_kernels::{
 };
 pub use renderer::{Progress, Renderer};
 pub use rendering::{RenderError, Rendered, Rendering};
-pub use request::{Observer, RenderRequest, Stop};
+pub use request::{Observer, RenderRequest, Stop, UNLIMITED_SAMPLES};
 pub use translation::bounds::bounds;
 pub use translation::device_scene::DeviceScene;
 pub use translation::error::TranslationError;

@@ -10,7 +10,7 @@ use crate::renderer::Progress;
 /// Samples a pixel of a render that stops by its noise alone, in case it never does.
 const MOST_ADAPTIVE_SAMPLES: u32 = 65536;
 /// Samples a pixel of a render that stops by time alone.
-pub(crate) const MOST_SAMPLES: u32 = i32::MAX as u32;
+pub const UNLIMITED_SAMPLES: u32 = i32::MAX as u32;
 
 /// Request for a picture of a scene. The scene itself says size, depth, seed and filter.
 #[derive(Clone, Debug, Default)]
@@ -43,7 +43,7 @@ impl Stop {
     pub fn samples(&self, settings: &RenderSettings) -> Range<u32> {
         self.samples.clone().unwrap_or(match self {
             Self { noise: Some(_), .. } => 0..MOST_ADAPTIVE_SAMPLES,
-            Self { time_limit: Some(_), .. } => 0..MOST_SAMPLES,
+            Self { time_limit: Some(_), .. } => 0..UNLIMITED_SAMPLES,
             _ => 0..settings.samples,
         })
     }

@@ -56,7 +56,7 @@ pub enum VulkanError {
         /// Most pixels on a side.
         limit: u32,
     },
-    /// What is to be stored takes more memory than is free.
+    /// Contents of a buffer that take more memory than is free.
     #[error("{what} needs {:.2} GiB of memory on {name}, which has {:.2} GiB free", gib(*needed), gib(*free))]
     NoRoom {
         /// Name of what was to be stored.
