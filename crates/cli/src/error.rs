@@ -13,6 +13,8 @@ pub enum Failure {
     Input(String),
     /// Fault of the device: status 3.
     Device(String),
+    /// End by the user, who has what there was by then: status 130, and nothing to say.
+    Interrupted,
 }
 
 impl Failure {
@@ -20,6 +22,8 @@ impl Failure {
         match self {
             Self::Input(_) => ExitCode::from(2),
             Self::Device(_) => ExitCode::from(3),
+            // 128 and the number of SIGINT, as shells have it.
+            Self::Interrupted => ExitCode::from(130),
         }
     }
 }
@@ -28,6 +32,7 @@ impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Input(message) | Self::Device(message) => f.write_str(message),
+            Self::Interrupted => f.write_str("interrupted"),
         }
     }
 }

@@ -40,6 +40,7 @@ fn main() -> ExitCode {
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error @ error::Failure::Interrupted) => error.exit_code(),
         Err(error) => {
             output::say(format_args!("error: {error}"));
             error.exit_code()

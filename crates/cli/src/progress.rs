@@ -9,22 +9,31 @@ use crate::output::say;
 /// Tells the user how a render goes: a bar on a terminal, now and then a line elsewhere, nothing when quiet.
 pub enum Reporter {
     Quiet,
-    Bar { bar: ProgressBar, target: u32 },
-    Lines { target: u32, next: Instant, pause: Duration },
+    Bar { bar: ProgressBar, end: End },
+    Lines { end: End, next: Instant, pause: Duration },
+}
+
+/// End of a render, as far as it is known before.
+#[derive(Clone, Copy)]
+pub struct End {
+    /// Samples of each pixel; `UNLIMITED_SAMPLES` where something else is sure to come before.
+    pub samples: u32,
+    /// Longest time of sampling, in seconds.
+    pub time_limit: Option<f32>,
 }
 
 impl Reporter {
-    pub fn new(quiet: bool, target: u32) -> Self {
+    pub fn new(quiet: bool, end: End) -> Self {
         if quiet {
             Self::Quiet
         } else if std::io::stderr().is_terminal() {
             let bar = ProgressBar::new(1000);
             let style = ProgressStyle::with_template("{bar:30} {percent:>3}%  {msg}");
             bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-            Self::Bar { bar, target }
+            Self::Bar { bar, end }
         } else {
             let pause = Duration::from_secs(2);
-            Self::Lines { target, next: Instant::now() + pause, pause }
+            Self::Lines { end, next: Instant::now() + pause, pause }
         }
     }
 
@@ -40,13 +49,13 @@ impl Reporter {
     pub fn update(&mut self, progress: &Progress) {
         match self {
             Self::Quiet => {}
-            Self::Bar { bar, target } => {
+            Self::Bar { bar, end } => {
                 bar.set_position((1000.0 * progress.fraction) as u64);
-                bar.set_message(describe(progress, *target));
+                bar.set_message(describe(progress, *end));
             }
-            Self::Lines { target, next, pause } => {
+            Self::Lines { end, next, pause } => {
                 if Instant::now() >= *next {
-                    say(format_args!("{:3.0}%  {}", 100.0 * progress.fraction, describe(progress, *target)));
+                    say(format_args!("{:3.0}%  {}", 100.0 * progress.fraction, describe(progress, *end)));
                     // Long renders need no line every two seconds.
                     *pause = (*pause * 3 / 2).min(Duration::from_secs(60));
                     *next = Instant::now() + *pause;
@@ -87,13 +96,22 @@ impl Reporter {
     }
 }
 
-fn describe(progress: &Progress, target: u32) -> String {
+fn describe(progress: &Progress, end: End) -> String {
     let rate = progress.total_samples as f64 / progress.seconds.max(1e-9);
-    if target == UNLIMITED_SAMPLES {
-        return format!("{} samples  {} samples/s", progress.samples, millions(rate));
+    let of = if end.samples < UNLIMITED_SAMPLES { format!("/{}", end.samples) } else { String::new() };
+    let mut text = format!("{}{of} samples  {} samples/s", progress.samples, millions(rate));
+    if let Some(noise) = progress.noise.filter(|noise| noise.error.is_finite()) {
+        let [error, resting] = [noise.error, noise.resting].map(|part| 100.0 * part);
+        text += &format!("  error {error:.1} %, {resting:.0} % of the picture done");
     }
-    let left = progress.seconds * (1.0 - progress.fraction) / progress.fraction.max(1e-9);
-    format!("{}/{target} samples  {} samples/s  {} left", progress.samples, millions(rate), duration(left))
+    // Nobody knows how long it takes until the noise is low.
+    let by_fraction =
+        progress.noise.is_none().then(|| progress.seconds * (1.0 - progress.fraction) / progress.fraction.max(1e-9));
+    let by_time = end.time_limit.map(|limit| (f64::from(limit) - progress.seconds).max(0.0));
+    if let Some(left) = [by_fraction, by_time].into_iter().flatten().reduce(f64::min) {
+        text += &format!("  {} left", duration(left));
+    }
+    text
 }
 
 /// Count in millions: `12.3 M`.

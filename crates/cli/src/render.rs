@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
 
 use raggio_render::{
     Aov, Choice, Denoiser, Display, ImageFile, Observer, Picture, Progress, RenderRequest, Rendering, Stop,
@@ -15,7 +16,7 @@ use raggio_scene::{Assets, Integrator, Scene};
 use crate::args::{DemoArguments, MachineArguments, Overrides, RenderArguments};
 use crate::error::{Failure, cannot_write};
 use crate::output::say;
-use crate::progress::Reporter;
+use crate::progress::{End, Reporter};
 use crate::stats::Stats;
 
 const SHOWCASE: &str = include_str!("../../../scenes/showcase.toml");
@@ -39,6 +40,7 @@ pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
         layers: Aov::ALL.iter().copied().filter(|aov| arguments.aov.iter().any(|named| named.contains(aov))).collect(),
         denoise: arguments.denoise,
         stop: Stop { noise: arguments.stop.noise, time_limit: arguments.stop.time_limit, ..Stop::default() },
+        ..RenderRequest::default()
     };
     let display = Display { exposure: arguments.exposure, tone_mapper: arguments.tone_mapper, ..Display::default() };
     let files = Files::new(&outputs, display, arguments.stats.as_deref(), &request)?;
@@ -97,25 +99,28 @@ fn run(
 ) -> Result<(), Failure> {
     override_settings(&mut scene, overrides);
     request.stop.samples = overrides.samples.map(|samples| 0..samples);
-    raggio_render::check_memory(scene.render.width, scene.render.height)?;
     let warn = |warning: &str| {
         if !machine.quiet {
             say(format_args!("warning: {warning}"));
         }
     };
+    scene.warnings.iter().for_each(|warning| warn(warning));
+    raggio_render::check_memory(scene.render.width, scene.render.height)?;
     let device = raggio_render::open(machine.device, machine.options(), warn)?;
     let stop = request.stop.clone();
-    let rendering = Rendering::begin(&scene, &*device, request)?;
+    let mut rendering = Rendering::begin(&scene, &*device, request)?;
+    prepare(&mut rendering, machine.quiet)?;
     let setup_seconds = start.elapsed().as_secs_f64();
     let samples = rendering.samples().end;
-    // Nobody knows how long it takes until the noise is low.
-    let reporter = Reporter::new(machine.quiet, if stop.noise.is_none() { samples } else { UNLIMITED_SAMPLES });
+    // The number of samples is no end to be expected where noise is to end it.
+    let expected = if stop.noise.is_none() { samples } else { UNLIMITED_SAMPLES };
+    let reporter = Reporter::new(machine.quiet, End { samples: expected, time_limit: stop.time_limit });
     let (width, height) = (scene.render.width, scene.render.height);
     reporter.say(&format!("{width}x{height}, {} on {}", describe_end(samples, &stop), device.name()));
 
-    let mut listener = Listener { reporter, interrupted: on_interrupt() };
+    let mut listener = Listener { reporter, interrupted: on_interrupt(rendering.stop_flag()) };
     let mut rendered = rendering.run(&mut listener)?;
-    let reporter = listener.reporter;
+    let Listener { reporter, interrupted } = listener;
     reporter.finish();
     let failure = rendered.failure.take();
     let (picture, progress) = (&rendered.picture, &rendered.progress);
@@ -123,6 +128,7 @@ fn run(
     // One thing that fails is no reason to lose the others.
     let mut outcome = write(picture, &files.pictures, files.display, &reporter);
     if let (Some((denoiser, beside)), None) = (&files.denoised, &failure) {
+        reporter.say("denoising");
         let denoised = picture.denoised(denoiser).map_err(Failure::from);
         outcome = outcome.and(denoised.and_then(|picture| write(&picture, beside, files.display, &reporter)));
     }
@@ -130,7 +136,24 @@ fn run(
         let stats = Stats { device: &device.name(), rendered: &rendered, settings: &scene.render, setup_seconds };
         outcome = outcome.and(stats.write(path));
     }
-    failure.map_or(outcome, |error| Err(error.into()))
+    failure.map_or(outcome, |error| Err(error.into()))?;
+    if interrupted.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
+}
+
+/// Makes the device ready, and says so where it takes a while.
+fn prepare(rendering: &mut Rendering, quiet: bool) -> Result<(), Failure> {
+    const A_WHILE: Duration = Duration::from_secs(1);
+    std::thread::scope(|scope| {
+        let (ready, wait) = channel::<()>();
+        scope.spawn(move || {
+            if !quiet && wait.recv_timeout(A_WHILE) == Err(RecvTimeoutError::Timeout) {
+                say("compiling kernels (first time on this device)");
+            }
+        });
+        let prepared = rendering.prepare();
+        drop(ready);
+        Ok(prepared?)
+    })
 }
 
 /// Writes a picture to all of `files`.
@@ -189,8 +212,8 @@ fn describe_end(samples: u32, stop: &Stop) -> String {
     limits.into_iter().flatten().collect::<Vec<_>>().join(" or ")
 }
 
-/// Flag that the first Ctrl-C (or termination signal) sets; the second ends the program at once.
-fn on_interrupt() -> Arc<AtomicBool> {
+/// Flag that the first Ctrl-C (or termination signal) sets, and `stop` with it; the second ends the program at once.
+fn on_interrupt(stop: Arc<AtomicBool>) -> Arc<AtomicBool> {
     let interrupted = Arc::new(AtomicBool::new(false));
     let seen = interrupted.clone();
     // Without a handler Ctrl-C still works, it only keeps nothing.
@@ -198,6 +221,7 @@ fn on_interrupt() -> Arc<AtomicBool> {
         if seen.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
         }
+        stop.store(true, Ordering::Relaxed);
     });
     interrupted
 }

@@ -41,14 +41,14 @@ fn build(out: &Path) -> Result<(), String> {
     let (cache, jobs) = (Cache::beside(out), Jobs::from_cargo());
     let (cpp, spirv) = (out.join("kernels.generated.cpp"), out.join("kernels.spv"));
     let levels = cpp::levels()?;
-    let entry_points = slangc::entry_points(&slang.kernels)?;
+    let entry_points = &slang.entry_points;
 
     std::thread::scope(|scope| {
         let machine_code = scope.spawn(|| {
             jobs.run(|| slang.compile(&cache, Target::Cpp, &cpp))?;
-            let sources = cpp::Sources::split(&cpp, &entry_points, out)?;
+            let sources = cpp::Sources::split(&cpp, entry_points, out)?;
             jobs.run_all(levels.iter().map(|level| || sources.compile(&cache, level, out)))?;
-            cpp::write_table(&levels, &entry_points, out)
+            cpp::write_table(&levels, entry_points, out)
         });
         jobs.run_all(VARIANTS.iter().enumerate().map(|(variant, (ending, _))| {
             let code = spirv.with_extension(ending);
@@ -57,5 +57,5 @@ fn build(out: &Path) -> Result<(), String> {
         }))?;
         machine_code.join().expect("compiling does not panic")
     })?;
-    layout::generate(&slang.kernels, &entry_points, &cpp.with_extension("json"), &spirv.with_extension("json"), out)
+    layout::generate(&slang.kernels, entry_points, &cpp.with_extension("json"), &spirv.with_extension("json"), out)
 }

@@ -10,6 +10,8 @@ pub struct Slang {
     slangc: PathBuf,
     /// Folder of the kernels.
     pub kernels: PathBuf,
+    /// Names of the kernels that are entered from outside.
+    pub entry_points: Vec<String>,
     /// Version of the compiler, then names and texts of the kernels.
     key: String,
 }
@@ -24,7 +26,8 @@ impl Slang {
         println!("cargo:rerun-if-changed={}", kernels.display());
         let mut key = slangc::version(&slangc).unwrap_or_default();
         read(&kernels, &mut key).map_err(|e| format!("cannot read {}: {e}", kernels.display()))?;
-        Ok(Self { slangc, kernels, key })
+        let entry_points = slangc::entry_points(&kernels)?;
+        Ok(Self { slangc, kernels, entry_points, key })
     }
 
     /// Compiles the kernels for `target` into `code`; their reflection stands beside it, with the ending `json`.
@@ -32,7 +35,7 @@ impl Slang {
         let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let files = [name(code), name(&code.with_extension("json"))];
         // Arguments as they would be in any folder.
-        let arguments = slangc::arguments(Path::new(""), &slangc::entry_points(&self.kernels)?, target);
+        let arguments = slangc::arguments(Path::new(""), &self.entry_points, target);
         let (key, out) = ([&self.key, &*format!("{arguments:?}")], code.parent().unwrap_or(Path::new("")));
         cache.get(&key, out, &files, || {
             let messages = slangc::compile(&self.slangc, &self.kernels, target, code)?;

@@ -12,6 +12,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [_, scene, picture] = &arguments[..] else { return Err("give a scene and a picture to write".into()) };
 
     let scene = Scene::load(Path::new(scene))?;
+    scene.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     let file = ImageFile::new(Path::new(picture))?;
     let device = open(DeviceChoice::Auto, OpenOptions::default(), |warning| eprintln!("warning: {warning}"))?;
 

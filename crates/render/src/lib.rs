@@ -35,7 +35,7 @@ pub use raggio_kernels::cpu::InstructionSet;
 pub use raggio_kernels::{
     Comparison, Feature, FilmPixel, MAX_NESTED_MEDIA, Probe, SamplerKind, Sequence, ShapeKind, Spirv, ToneMapper, View,
 };
-pub use renderer::{Progress, Renderer};
+pub use renderer::{NoiseProgress, Progress, Renderer};
 pub use rendering::{RenderError, Rendered, Rendering};
 pub use request::{Observer, RenderRequest, Stop, UNLIMITED_SAMPLES};
 pub use translation::bounds::bounds;

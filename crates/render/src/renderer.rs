@@ -1,7 +1,8 @@
 //! Renders in portions.
 
 use std::ops::Range;
-use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use raggio_kernels::{Feature, SceneBuffers};
@@ -25,6 +26,8 @@ pub struct Renderer {
     /// Numbers of the samples that each pixel is to have.
     samples: Range<u32>,
     samples_per_pass: Option<u32>,
+    /// Flag of who wants the portion under way to end at once.
+    stop: Arc<AtomicBool>,
     courses: Films<Course>,
     adaptive: Option<Adaptive>,
     identity: Identity,
@@ -45,6 +48,8 @@ struct Adaptive {
     active: u64,
     /// Samples at which blocks are judged next.
     judgement: u32,
+    /// Largest error of a block when they were judged last; infinite before.
+    error: f64,
 }
 
 /// Progress of a film, and its speed.
@@ -53,8 +58,11 @@ struct Course {
     pass: Range<u32>,
     /// Row that the pass under way has come to; the picture's height once it is finished.
     row: u32,
-    /// Rate of the last portion, in samples per second; before the first a guess that is safe for any device.
+    /// Rate of the last portion, in samples per second; before the first a guess.
     rate: f64,
+    /// Samples of the last portion. The first is as small as can be, and each may be only so much larger than the last:
+    /// nobody knows what a path costs before some are done.
+    last: f64,
     /// Rate of the slowest portion of the pass under way, and of the pass before: rows of glass cost many times what
     /// rows of sky do.
     slowest: f64,
@@ -64,6 +72,10 @@ struct Course {
     total: u64,
 }
 
+/// Multiple of its time after which a portion is cut short.
+const PATIENCE: f64 = 1.5;
+/// Factor by which a portion may be larger than the one before.
+const GROWTH: f64 = 4.0;
 const SHORTEST_MEASURE: Duration = Duration::from_millis(1);
 
 /// Progress of a render.
@@ -73,23 +85,35 @@ pub struct Progress {
     pub samples: u32,
     /// Number of samples in all pixels together.
     pub total_samples: u64,
-    /// Part of the whole that is done, 0 to 1.
+    /// Part of the whole that is done, 0 to 1: of the samples, or of the pixels that need no more, or of the time.
     pub fraction: f64,
+    /// Sampling by the error that is left, if that is what ends it.
+    pub noise: Option<NoiseProgress>,
     /// Time spent sampling, in seconds.
     pub seconds: f64,
+}
+
+/// Progress of sampling by the error that is left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseProgress {
+    /// Largest relative standard error of a part of the picture; infinite until it is known.
+    pub error: f64,
+    /// Part of the pixels that need no more samples, 0 to 1.
+    pub resting: f64,
 }
 
 impl Renderer {
     /// Renderer of the samples `samples` of each pixel of `scene`, which `session` has [loaded](crate::Device::load).
     pub fn new(session: Box<dyn Session>, scene: &DeviceScene, samples: Range<u32>) -> Self {
         let (width, height) = (scene.work.width, scene.work.height);
-        let course = Course::new(height, samples.start, 2e5);
+        let course = Course::new(height, samples.start, 2e5, 0.0);
         Self {
             session,
             width,
             height,
             samples,
             samples_per_pass: None,
+            stop: Arc::default(),
             courses: Films::new(course),
             adaptive: None,
             identity: Identity::new(scene),
@@ -101,7 +125,7 @@ impl Renderer {
     pub fn set_noise(&mut self, noise: f64) {
         let blocks = Blocks::new(self.width, self.height);
         let active = u64::from(self.width) * u64::from(self.height);
-        self.adaptive = Some(Adaptive { noise, blocks, active, judgement: next_judgement(0) });
+        self.adaptive = Some(Adaptive { noise, blocks, active, judgement: next_judgement(0), error: f64::INFINITY });
     }
 
     /// Adaptive sampling of the film that is shown, if it is sampled so.
@@ -126,7 +150,7 @@ impl Renderer {
             return Ok(u32::MAX);
         };
         if let Some(film) = film {
-            adaptive.blocks.judge(&film, adaptive.noise);
+            adaptive.error = adaptive.blocks.judge(&film, adaptive.noise);
             adaptive.active = adaptive.blocks.active_pixels(0..self.height);
             adaptive.judgement = next_judgement(samples);
             self.session.rest(Some(&adaptive.blocks))?;
@@ -140,12 +164,12 @@ impl Renderer {
     /// A [`DeviceError`] when the device fails or has no memory for another film.
     pub fn show(&mut self, feature: Feature) -> Result<(), DeviceError> {
         // No feature takes longer than radiance.
-        let rate = self.rate();
+        let (rate, last) = (self.rate(), self.courses.shown().last);
         let Self { session, courses, height, samples, .. } = self;
         // A course begins only where the session could make a film for it.
         courses.show(feature, || {
             session.show(feature)?;
-            Ok::<_, DeviceError>(Course::new(*height, samples.start, rate))
+            Ok::<_, DeviceError>(Course::new(*height, samples.start, rate, last))
         })?;
         session.show(feature)
     }
@@ -168,7 +192,7 @@ impl Renderer {
             self.session.rest(None)?;
         }
         for course in self.courses.iter_mut() {
-            *course = Course::new(self.height, self.samples.start, course.lasting_rate());
+            *course = Course::new(self.height, self.samples.start, course.lasting_rate(), course.last);
         }
         Ok(())
     }
@@ -193,10 +217,16 @@ impl Renderer {
         self.samples_per_pass = samples;
     }
 
-    /// Samples per second, in all pixels together, as lately measured.
+    /// Samples per second, in all pixels together, as lately measured; before the first portion a guess.
     pub fn rate(&self) -> f64 {
         let course = self.courses.shown();
         course.rate.min(course.slowest_before)
+    }
+
+    /// Flag that ends the portion under way as soon as the device can, when it is set: what the portion has done stays,
+    /// and the next one goes on from there.
+    pub fn stop_flag(&self) -> Arc<AtomicBool> {
+        self.stop.clone()
     }
 
     /// The scene and the films on the device. Films are changed by [`Renderer::show`].
@@ -217,10 +247,12 @@ impl Renderer {
     /// # Errors
     /// A [`DeviceError`] when the device fails.
     pub fn advance_for(&mut self, seconds: f64) -> Result<Progress, DeviceError> {
-        let portion = self.rate() * seconds.min(self.session.patience_seconds());
         if self.finished() {
             return Ok(self.progress());
         }
+        self.session.prepare()?;
+        let seconds = seconds.min(self.session.patience_seconds());
+        let portion = (self.rate() * seconds).min(GROWTH * self.courses.shown().last);
         if self.courses.shown().row == self.height {
             let unjudged = self.judge()?;
             if self.finished() {
@@ -238,23 +270,26 @@ impl Renderer {
         }
         let row_samples = self.active_pixels() / f64::from(self.height) * self.courses.shown().pass.len() as f64;
         let course = self.courses.shown();
-        let rows = ((portion / row_samples) as u32).clamp(1, self.height - course.row);
+        let left = self.height - course.row;
+        let rows = ((portion / row_samples) as u32).clamp(self.session.rows_at_once().clamp(1, left), left);
 
-        let portion = course.row..course.row + rows;
-        let pass = course.pass.clone();
-        let active = self.adaptive().map(|adaptive| adaptive.blocks.active_pixels(portion.clone()));
-        let samples = active.unwrap_or(u64::from(rows) * u64::from(self.width)) * pass.len() as u64;
+        let (first, pass) = (course.row, course.pass.clone());
         let start = Instant::now();
-        self.session.add_samples(portion, pass)?;
+        // Rows differ in cost: what takes much longer than it was thought to is cut short.
+        let most = Duration::from_secs_f64(PATIENCE * seconds);
+        let stop = || self.stop.load(Ordering::Relaxed) || start.elapsed() > most;
+        let rows = self.session.add_samples_until(first..first + rows, pass.clone(), &stop)?;
         let elapsed = start.elapsed();
+        let active = self.adaptive().map(|adaptive| adaptive.blocks.active_pixels(first..first + rows));
+        let samples = active.unwrap_or(u64::from(rows) * u64::from(self.width)) * pass.len() as u64;
 
         let course = self.courses.shown_mut();
         course.sampling += elapsed;
         course.total += samples;
         course.row += rows;
-        // Rows differ in cost: follow the measurement, but grow no faster than fourfold.
-        let measured = (samples.max(1) as f64) / elapsed.as_secs_f64().max(1e-6);
-        course.rate = measured.min(4.0 * course.rate);
+        course.last = samples.max(1) as f64;
+        let measured = course.last / elapsed.as_secs_f64().max(1e-6);
+        course.rate = measured;
         // Shorter portions measure the call, and the very first the driver's preparations.
         if elapsed > SHORTEST_MEASURE && course.sampling > elapsed {
             course.slowest = course.slowest.min(measured);
@@ -301,10 +336,17 @@ impl Renderer {
         let total_samples = *total;
         let first = self.samples.start;
         let done = f64::from(pass.start - first) + f64::from(*row) / f64::from(self.height) * pass.len() as f64;
+        let fraction = done / f64::from(self.target());
+        let pixels = f64::from(self.width) * f64::from(self.height);
+        let noise = self.adaptive().map(|Adaptive { error, active, .. }| NoiseProgress {
+            error: *error,
+            resting: 1.0 - *active as f64 / pixels,
+        });
         Progress {
             samples: if *row == self.height { pass.end } else { pass.start } - first,
             total_samples,
-            fraction: done / f64::from(self.target()),
+            fraction: noise.map_or(fraction, |noise| noise.resting.max(fraction)),
+            noise,
             seconds: sampling.as_secs_f64(),
         }
     }
@@ -400,11 +442,12 @@ impl Course {
         if seconds > 0.0 { self.rate.min(self.total as f64 / seconds) } else { self.rate }
     }
 
-    fn new(height: u32, first: u32, rate: f64) -> Self {
+    fn new(height: u32, first: u32, rate: f64, last: f64) -> Self {
         Self {
             pass: first..first,
             row: height,
             rate,
+            last,
             slowest: f64::INFINITY,
             slowest_before: f64::INFINITY,
             sampling: Duration::ZERO,

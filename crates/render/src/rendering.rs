@@ -1,6 +1,8 @@
 //! A render from its scene to its picture: what all front ends without a window share.
 
 use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use raggio_kernels::MAX_NESTED_MEDIA;
@@ -29,7 +31,6 @@ pub struct Rendering {
     scene: DeviceScene,
     request: RenderRequest,
     metadata: Metadata,
-    warnings: Vec<String>,
 }
 
 /// A render that has come to its end.
@@ -65,7 +66,7 @@ pub enum RenderError {
 }
 
 impl Rendering {
-    /// Brings `scene` to `device`.
+    /// Brings `scene` to `device`. The scene's own warnings are for whoever has read it.
     ///
     /// # Errors
     /// A [`RenderError`] when the picture or the scene is too large, or the device fails.
@@ -78,7 +79,7 @@ impl Rendering {
             renderer.set_noise(noise.into());
         }
         let metadata = Metadata::new(scene, &request.name);
-        Ok(Self { renderer, scene: device_scene, request, metadata, warnings: scene.warnings.clone() })
+        Ok(Self { renderer, scene: device_scene, request, metadata })
     }
 
     /// Numbers of the samples that each pixel has at most.
@@ -86,16 +87,30 @@ impl Rendering {
         self.renderer.samples()
     }
 
+    /// Makes ready what sampling needs. [`Rendering::run`] does so too, but whoever calls this first can tell the user why
+    /// it takes a while: drivers compile kernels.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails.
+    pub fn prepare(&mut self) -> Result<(), DeviceError> {
+        self.renderer.session().prepare()
+    }
+
+    /// Flag that ends sampling at once, when it is set: also while the device is at work.
+    pub fn stop_flag(&self) -> Arc<AtomicBool> {
+        self.renderer.stop_flag()
+    }
+
     /// Takes samples until there are enough, `observer` breaks off, or the device fails; then come layers and guides.
     ///
     /// # Errors
     /// A [`DeviceError`] when the device fails and the film is lost with it.
     pub fn run(mut self, observer: &mut dyn Observer) -> Result<Rendered, DeviceError> {
-        self.warnings.iter().for_each(|warning| observer.warn(warning));
         let mut failure = self.sample(observer).err();
         let progress = self.renderer.progress();
         // A lost device has usually lost the film with it: then its first failure is what to report.
-        let film = match (self.renderer.labelled_film(), failure.take()) {
+        let film = if self.request.label { self.renderer.labelled_film() } else { self.renderer.film() };
+        let film = match (film, failure.take()) {
             (Ok(film), first) => {
                 failure = first;
                 film
@@ -129,11 +144,14 @@ impl Rendering {
             if left <= 0.0 {
                 break;
             }
-            let progress = self.renderer.advance_for(left.max(SHORTEST_PORTION))?;
-            if observer.progress(&progress).is_break() {
+            let mut progress = self.renderer.advance_for(left.max(SHORTEST_PORTION))?;
+            progress.fraction = progress.fraction.max(start.elapsed().as_secs_f64() / limit).min(1.0);
+            if observer.progress(&progress).is_break() || self.stop_flag().load(Ordering::Relaxed) {
                 break;
             }
         }
+        // What follows is not to be stopped by who has stopped this.
+        self.stop_flag().store(false, Ordering::Relaxed);
         Ok(())
     }
 
@@ -156,7 +174,10 @@ impl Rendering {
         if let Some(features) = features {
             let layers = self.request.layers.iter();
             extras.channels = layers.flat_map(|aov| aov.channels(&film, &features, &self.scene)).collect();
-            guides = self.request.denoise.then(|| Guides { albedos: features.albedos(), normals: features.normals() });
+            guides = self
+                .request
+                .denoise
+                .then(|| Guides { albedos: features.guide_albedos(), normals: features.guide_normals() });
         }
         Picture { film, extras, guides }
     }

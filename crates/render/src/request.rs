@@ -21,6 +21,9 @@ pub struct RenderRequest {
     pub layers: Vec<Aov>,
     /// Whether the picture is to be [denoised](crate::Picture::denoised), which takes guides.
     pub denoise: bool,
+    /// Whether the film is to have a [label](crate::Film::label), so that it can be kept in a file and merged; it takes
+    /// a hash of the whole scene.
+    pub label: bool,
     /// End of sampling.
     pub stop: Stop,
 }

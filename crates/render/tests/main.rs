@@ -4,4 +4,5 @@ mod film;
 mod images;
 mod portions;
 mod rendering;
+mod scripted;
 mod translation;

@@ -4,11 +4,10 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use raggio_render::{
-    Answer, Blocks, DeviceError, DeviceScene, Display, Feature, Film, FilmPixel, Image, Pixels, Probe, Question,
-    Renderer, Session,
-};
+use raggio_render::{DeviceError, DeviceScene, Feature, Renderer};
 use raggio_scene::Scene;
+
+use crate::scripted::{Script, Scripted};
 
 const WIDTH: u32 = 100;
 const HEIGHT: u32 = 70;
@@ -29,10 +28,9 @@ struct Clock {
     log: Arc<Mutex<Log>>,
 }
 
-impl Session for Clock {
-    fn show(&mut self, feature: Feature) -> Result<(), DeviceError> {
+impl Script for Clock {
+    fn show(&mut self, feature: Feature) {
         self.shown = feature;
-        Ok(())
     }
 
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
@@ -47,38 +45,12 @@ impl Session for Clock {
         std::thread::sleep(Duration::from_secs_f64(portion * self.seconds_per_sample));
         Ok(())
     }
+}
 
-    fn rest(&mut self, _: Option<&Blocks>) -> Result<(), DeviceError> {
-        Ok(())
-    }
-
-    fn restart(&mut self, _: &DeviceScene) -> Result<(), DeviceError> {
-        Ok(())
-    }
-
-    fn set_reference(&mut self, _: Option<&Image>) -> Result<(), DeviceError> {
-        Ok(())
-    }
-
-    fn display(&mut self, _: Display) -> Result<Pixels, DeviceError> {
-        Ok(Pixels::Host(vec![]))
-    }
-
-    fn pixels(&self, _: Range<u32>, _: u32) -> Result<Vec<FilmPixel>, DeviceError> {
-        Ok(vec![])
-    }
-
-    fn film(&self) -> Result<Film, DeviceError> {
-        Ok(Film::new(WIDTH, HEIGHT))
-    }
-
-    fn ask(&mut self, _: Probe, _: &[Question]) -> Result<Vec<Answer>, DeviceError> {
-        Ok(vec![])
-    }
-
-    fn patience_seconds(&self) -> f64 {
-        0.02
-    }
+fn renderer(seconds_per_sample: f64, samples: Range<u32>, log: &Arc<Mutex<Log>>) -> Renderer {
+    let clock = Clock { seconds_per_sample, shown: Feature::Radiance, log: log.clone() };
+    let session = Scripted { size: [WIDTH, HEIGHT], patience: 0.02, script: clock };
+    Renderer::new(Box::new(session), &scene(), samples)
 }
 
 /// An empty scene whose picture has the size that all tests take.
@@ -96,8 +68,7 @@ fn render(seconds_per_sample: f64, target: u32) -> Log {
 fn render_range(seconds_per_sample: f64, samples: Range<u32>) -> Log {
     let target = samples.end - samples.start;
     let log = Arc::new(Mutex::new(Log::default()));
-    let clock = Clock { seconds_per_sample, shown: Feature::Radiance, log: log.clone() };
-    let mut renderer = Renderer::new(Box::new(clock), &scene(), samples);
+    let mut renderer = renderer(seconds_per_sample, samples, &log);
     let mut last = 0.0;
     while !renderer.finished() {
         let progress = renderer.advance().expect("a portion");
@@ -162,8 +133,7 @@ fn a_session_of_no_cost_ends_too() {
 #[test]
 fn each_film_goes_on_from_where_it_was_left() {
     let log = Arc::new(Mutex::new(Log::default()));
-    let clock = Clock { seconds_per_sample: 1e-7, shown: Feature::Radiance, log: log.clone() };
-    let mut renderer = Renderer::new(Box::new(clock), &scene(), 0..1000);
+    let mut renderer = renderer(1e-7, 0..1000, &log);
     let finish = |renderer: &mut Renderer| {
         while !renderer.finished() {
             renderer.advance().expect("a portion");

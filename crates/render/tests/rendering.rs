@@ -3,11 +3,12 @@
 use std::ops::{ControlFlow, Range};
 
 use raggio_render::{
-    Answer, Aov, Blocks, CpuDevice, CpuOptions, Device, DeviceError, DeviceScene, Display, Feature, Film, FilmPixel,
-    Image, Observer, Pixels, Portion, Probe, Progress, Question, RenderError, RenderRequest, Rendered, Rendering,
-    Session, Stop, Values,
+    Aov, CpuDevice, CpuOptions, Device, DeviceError, DeviceScene, Observer, Portion, Progress, RenderError,
+    RenderRequest, Rendered, Rendering, Session, Stop, Values,
 };
 use raggio_scene::Scene;
+
+use crate::scripted::{Script, Scripted};
 
 const WIDTH: u32 = 6;
 const HEIGHT: u32 = 5;
@@ -52,15 +53,18 @@ fn rendered(scene: &Scene, device: &dyn Device, request: RenderRequest, ear: &mu
     rendering.run(ear).expect("the film is there")
 }
 
+/// Request for a picture whose film has a label.
+fn labelled() -> RenderRequest {
+    RenderRequest { label: true, ..RenderRequest::default() }
+}
+
 #[test]
-fn a_plain_request_is_the_scene_with_its_samples_and_warnings() {
-    let mut scene = scene();
-    scene.warnings = vec!["a warning".into()];
+fn a_plain_request_is_the_scene_with_its_samples() {
     let mut ear = Ear::patient(usize::MAX);
-    let rendered = rendered(&scene, &cpu(), RenderRequest::default(), &mut ear);
+    let rendered = rendered(&scene(), &cpu(), labelled(), &mut ear);
     assert!(rendered.finished && rendered.failure.is_none());
     assert_eq!((rendered.progress.samples, rendered.shapes, rendered.triangles), (3, 1, 0));
-    assert_eq!(ear.warnings, ["a warning"]);
+    assert!(ear.warnings.is_empty(), "{:?}", ear.warnings);
     let picture = rendered.picture;
     assert_eq!(picture.film.label().expect("a label").portions(), [Portion { samples: 0..3, rows: 0..HEIGHT }]);
     assert!(picture.extras.channels.is_empty());
@@ -69,7 +73,7 @@ fn a_plain_request_is_the_scene_with_its_samples_and_warnings() {
 #[test]
 fn samples_and_layers_are_those_asked_for() {
     let stop = Stop { samples: Some(5..9), ..Stop::default() };
-    let request = RenderRequest { layers: vec![Aov::Depth, Aov::Samples], stop, ..RenderRequest::default() };
+    let request = RenderRequest { layers: vec![Aov::Depth, Aov::Samples], stop, ..labelled() };
     let picture = rendered(&scene(), &cpu(), request, &mut Ear::patient(usize::MAX)).picture;
     assert_eq!(picture.film.label().expect("a label").portions(), [Portion { samples: 5..9, rows: 0..HEIGHT }]);
     let names: Vec<_> = picture.extras.channels.iter().map(|channel| channel.name.as_str()).collect();
@@ -84,6 +88,7 @@ fn who_breaks_off_gets_what_there_is() {
     let rendered = rendered(&scene(), &cpu(), request, &mut Ear::patient(1));
     assert!(!rendered.finished);
     assert!(rendered.picture.film.samples() > 0, "the first portion is there");
+    assert!(rendered.picture.film.label().is_none(), "nobody asked for a label");
     assert_eq!(rendered.picture.extras.channels.len(), 3, "and so are the layers");
 }
 
@@ -137,59 +142,25 @@ impl Device for Failing {
     }
 
     fn load(&self, _: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
-        Ok(Box::new(FailingSession { portions: 0, loses_film: self.loses_film }))
+        let session = FailingSession { portions: 0, loses_film: self.loses_film };
+        Ok(Box::new(Scripted { size: [WIDTH, HEIGHT], patience: 1e-9, script: session }))
     }
 }
 
-impl Session for FailingSession {
-    fn show(&mut self, _: Feature) -> Result<(), DeviceError> {
-        Ok(())
-    }
-
+impl Script for FailingSession {
     fn add_samples(&mut self, _: Range<u32>, _: Range<u32>) -> Result<(), DeviceError> {
         self.portions += 1;
         if self.portions < 3 { Ok(()) } else { Err(DeviceError::Host("the third portion".into())) }
     }
 
-    fn rest(&mut self, _: Option<&Blocks>) -> Result<(), DeviceError> {
-        Ok(())
-    }
-
-    fn restart(&mut self, _: &DeviceScene) -> Result<(), DeviceError> {
-        Ok(())
-    }
-
-    fn set_reference(&mut self, _: Option<&Image>) -> Result<(), DeviceError> {
-        Ok(())
-    }
-
-    fn display(&mut self, _: Display) -> Result<Pixels, DeviceError> {
-        Ok(Pixels::Host(vec![]))
-    }
-
-    fn pixels(&self, _: Range<u32>, _: u32) -> Result<Vec<FilmPixel>, DeviceError> {
-        Ok(vec![])
-    }
-
-    fn film(&self) -> Result<Film, DeviceError> {
-        if self.loses_film && self.portions >= 3 {
-            return Err(DeviceError::Host("no film".into()));
-        }
-        Ok(Film::new(WIDTH, HEIGHT))
-    }
-
-    fn ask(&mut self, _: Probe, _: &[Question]) -> Result<Vec<Answer>, DeviceError> {
-        Ok(vec![])
-    }
-
-    fn patience_seconds(&self) -> f64 {
-        1e-9
+    fn film(&self) -> Result<(), DeviceError> {
+        if self.loses_film && self.portions >= 3 { Err(DeviceError::Host("no film".into())) } else { Ok(()) }
     }
 }
 
 #[test]
 fn a_device_that_fails_leaves_its_film() {
-    let request = || RenderRequest { layers: vec![Aov::Samples], ..RenderRequest::default() };
+    let request = || RenderRequest { layers: vec![Aov::Samples], ..labelled() };
     let device = Failing { loses_film: false };
     let rendered = rendered(&scene(), &device, request(), &mut Ear::patient(usize::MAX));
     assert_eq!(rendered.failure.expect("it failed").to_string(), "the third portion");

@@ -110,7 +110,7 @@ impl Denoising {
             let (film, samples) = tracer.radiance()?;
             let first = self.samples == 0;
             let features = std::mem::take(&mut self.features);
-            let surfaces = || FirstSurfaces { albedo: features.albedos(), normal: features.normals() };
+            let surfaces = || FirstSurfaces { albedo: features.guide_albedos(), normal: features.guide_normals() };
             let job = Job { film: self.film, image: film.mean(), first_surfaces: first.then(surfaces) };
             self.samples = samples;
             // A thread that is gone has left its reason among the results.

@@ -6,6 +6,7 @@ mod geometry;
 mod layers;
 mod lights;
 mod motion;
+mod normals;
 mod picture;
 mod placement;
 mod textures;

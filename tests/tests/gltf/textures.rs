@@ -175,8 +175,7 @@ fn emission_by_factor_strength_and_texture() {
     assert_shows("emission", &Shot::default().take(&asset), |_, _| expected);
 }
 
-/// A mirror shows the sky where its normal, tilted by the map, sends the view: to the right by red, up by green. It is a
-/// little darker where the light comes from nearer to the geometry's horizon than to the map's (chiang2019terminator).
+/// A mirror shows the sky where its normal, tilted by the map, sends the view: to the right by red, up by green.
 #[test]
 fn normal_maps_tilt_mirrors() {
     let mirror = json!({ "pbrMetallicRoughness": { "metallicFactor": 1, "roughnessFactor": 0 } });
@@ -191,8 +190,7 @@ fn normal_maps_tilt_mirrors() {
         let n = DVec3::new(scale * n[0], scale * n[1], n[2]).normalize();
         let wo = DVec3::new(-0.0625, -0.0625, 3.0).normalize();
         let wi = 2.0 * wo.dot(n) * n - wo;
-        let g = (wi.z / (wi.dot(n) * n.z)).min(1.0);
-        (0.5 * wi.y + 0.5) * (g + g * g - g * g * g)
+        0.5 * wi.y + 0.5
     };
     for (texel, scale) in [([128, 168, 250, 255], 1.0), ([128, 88, 250, 255], 1.0), ([180, 168, 230, 255], 0.5)] {
         let (found, expected) = (shown(texel, scale), expected(texel, scale));

@@ -1,6 +1,9 @@
 //! Transparency: coverage, thin sheets, bodies, leaves; and unlit surfaces, which need no light.
 
+use std::f64::consts::FRAC_1_PI;
+
 use glam::DVec3;
+use raggio_scene::Integrator;
 use serde_json::{Value, json};
 
 use crate::gltf::asset::{Asset, glowing, matte, merged};
@@ -35,6 +38,80 @@ fn masks_cut() {
     let picture = Shot::default().take(&asset);
     // Alpha is 1/2 at a fifth of the way.
     picture.assert_lit("vertices", |x, y| within([0.0, 0.0], [1.0, 1.0])(x, y) && x > -0.3);
+}
+
+/// A magnified mask is cut along the line where the blend of its texels crosses the cutoff.
+#[test]
+fn masks_are_cut_between_texels() {
+    let texels = [[0, 0, 0, 255], [0, 0, 0, 0]];
+    for (cutoff, right) in [(0.5, 0.0), (0.25, 0.125), (0.75, -0.125)] {
+        let base = json!({ "baseColorFactor": [0, 0, 0, 1], "baseColorTexture": { "index": 0 } });
+        let mode = json!({ "alphaMode": "MASK", "alphaCutoff": cutoff, "pbrMetallicRoughness": base });
+        let asset = Asset::square(merged(glowing(), mode)).texture(&[&texels], json!({ "wrapS": 33071 }));
+        let inside = within([0.0, 0.0], [1.0, 1.0]);
+        let picture = Shot { samples: 16, ..Shot::default() }.take(&asset);
+        picture.assert_lit(&format!("cutoff {cutoff}"), |x, y| inside(x, y) && x < right);
+    }
+}
+
+/// Light without size passes smooth sheets straight, as much as they let pass: any number of them, as far as a path may
+/// be long that meets each.
+#[test]
+fn sheets_let_light_without_size_pass() {
+    let color = [0.9, 0.5, 0.25f32];
+    let light = json!({ "type": "directional", "intensity": 3 });
+    for integrator in [Integrator::Path, Integrator::Reference] {
+        for count in 0..4u32 {
+            let mut asset = Asset::square(matte([0.5; 3]));
+            let sheet = smooth(color, json!({ "KHR_materials_transmission": { "transmissionFactor": 1 } }));
+            let sheet = asset.push("materials", sheet);
+            let mut pane = asset.json["meshes"][0].clone();
+            pane["primitives"][0]["material"] = json!(sheet);
+            let pane = asset.push("meshes", pane);
+            let mut nodes = vec![
+                json!({ "mesh": 0, "scale": [4, 4, 1] }),
+                json!({ "extensions": { "KHR_lights_punctual": { "light": 0 } } }),
+            ];
+            // Behind the camera.
+            let panes = (0..count).map(|i| json!({ "mesh": pane, "translation": [0, 0, 4 + i], "scale": [20, 20, 1] }));
+            nodes.extend(panes);
+            let mut asset = asset.nodes(json!(nodes));
+            asset.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [light.clone()] } });
+            // A sheet reflects 0.04 of what falls on it squarely, and lets the rest pass in its colour.
+            let left = DVec3::from_array(color.map(|c| (0.96 * f64::from(c)).powi(count as i32)));
+            let expected = 3.0 * 0.5 * FRAC_1_PI * left;
+            for (depth, expected) in [(2 + count, expected), (1 + count, DVec3::ZERO)] {
+                let picture = Shot { samples: 1, depth, integrator, ..Shot::default() }.take(&asset);
+                picture.assert_shows(&format!("{integrator}: {count} sheets, {depth} rays"), |_, _| expected);
+            }
+        }
+    }
+}
+
+/// What is there in part, and passes light where it is, lets both parts pass.
+#[test]
+fn sheets_with_coverage_let_light_pass() {
+    let alpha = 0.5;
+    let sheet = merged(
+        smooth([0.5; 3], json!({ "KHR_materials_transmission": { "transmissionFactor": 1 } })),
+        json!({ "alphaMode": "BLEND", "pbrMetallicRoughness": { "baseColorFactor": [0.5, 0.5, 0.5, alpha] } }),
+    );
+    let mut asset = Asset::square(matte([0.5; 3]));
+    let sheet = asset.push("materials", sheet);
+    let mut pane = asset.json["meshes"][0].clone();
+    pane["primitives"][0]["material"] = json!(sheet);
+    let pane = asset.push("meshes", pane);
+    let mut asset = asset.nodes(json!([
+        { "mesh": 0, "scale": [4, 4, 1] },
+        { "extensions": { "KHR_lights_punctual": { "light": 0 } } },
+        // No ray goes through the edge that the square's triangles share, where it would meet both.
+        { "mesh": pane, "translation": [0.31, 0.13, 4], "scale": [20, 20, 1] },
+    ]));
+    let light = json!({ "type": "directional", "intensity": 3 });
+    asset.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [light] } });
+    let found = Shot { samples: 1024, depth: 3, ..Shot::default() }.take(&asset).middle();
+    let expected = 3.0 * 0.5 * FRAC_1_PI * (1.0 - alpha + alpha * 0.96 * 0.5);
+    assert!((found / expected - 1.0).abs().max_element() < 0.01, "{found}, not {expected}");
 }
 
 /// Blending is chance: on average a part of the square's light and the rest of what is behind.
@@ -79,6 +156,18 @@ fn unlit_surfaces_are_their_color() {
         let inside = |x: f64, y: f64| if within([0.0, 0.0], [1.0, 1.0])(x, y) { color } else { sky };
         shot.take(&asset).assert_shows("unlit", inside);
     }
+}
+
+/// Colours of vertices are all the colour that many unlit models have.
+#[test]
+fn unlit_surfaces_have_the_colors_of_their_vertices() {
+    let material = json!({ "extensions": { "KHR_materials_unlit": {} } });
+    let colors = [[1.0f32, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
+    let asset = Asset::square(material).with("COLOR_0", "VEC3", colors.as_flattened());
+    Shot::default().take(&asset).assert_shows("unlit vertices", |x, y| {
+        let on = within([0.0, 0.0], [1.0, 1.0])(x, y);
+        if on { DVec3::new(0.5 - x, 0.5 + x, 0.0) } else { DVec3::ZERO }
+    });
 }
 
 /// A thin sheet in a furnace shows what it reflects, and the rest in its colour.

@@ -43,7 +43,7 @@ const STAGE: &str = "
 const VEIL: &str = "[materials.veil]\nprincipled = { emissive = [2, 2, 3], alpha = 0.6, alpha_mode = \"blend\" }\n";
 
 /// Names of the materials, and their keys. The principled ones come last.
-const MATERIALS: [(&str, &str); 12] = [
+const MATERIALS: [(&str, &str); 13] = [
     ("diffuse", "color = [0.8, 0.5, 0.3]"),
     ("half a mirror", "color = [0.8, 0.8, 0.8]\nsmoothness = 0.5"),
     ("nearly a mirror", "color = [0.8, 0.8, 0.8]\nsmoothness = 0.9"),
@@ -58,6 +58,7 @@ const MATERIALS: [(&str, &str); 12] = [
     ),
     ("plastic", "principled = { base_color = [0.2, 0.5, 0.3], roughness = 0.3, clearcoat = 1 }"),
     ("blended", "principled = { base_color = [0.8, 0.8, 0.8], roughness = 1, alpha = 0.5, alpha_mode = \"blend\" }"),
+    ("pane", "principled = { base_color = [0.9, 0.8, 0.6], transmission = 1, roughness = 0, thin_walled = true }"),
     (
         "leaf",
         "principled = { base_color = [0.5, 0.8, 0.5], roughness = 0.7, diffuse_transmission = 0.6, thin_walled = true }",

@@ -48,7 +48,9 @@ fn drawn_texels_average_to_the_blend() {
         (0..600).map(|i| (i % 60, [(); 2].map(|()| [(); 2].map(|()| 4.0 * random.unit() - 2.0)))).collect();
     let lookups: Vec<_> = points
         .iter()
-        .flat_map(|(texture, uv)| middles(NUMBERS).map(|random| Lookup { texture: *texture, uv: *uv, random }))
+        .flat_map(|(texture, uv)| {
+            middles(NUMBERS).map(|random| Lookup { texture: *texture, uv: *uv, random, blended: false })
+        })
         .collect();
     for_each_device(|device| {
         let found = look_up(&device, &textures, &lookups);
@@ -58,6 +60,32 @@ fn drawn_texels_average_to_the_blend() {
             let (expected, found) = (bilinear(texture, place), mean(found));
             let what = format!("{} {texture:?} at {uv:?}", device.label);
             assert!(distance(expected, found) < TOLERANCE, "{what}: expected {expected:?}, found {found:?}");
+        }
+    });
+}
+
+/// Where texels are blended no random number changes anything.
+#[test]
+fn blends_are_blends() {
+    let random = &mut Pcg::new(5);
+    let mut textures = vec![];
+    for wrap in WRAPS.into_iter().flat_map(|u| WRAPS.map(|v| [u, v])) {
+        for image in [varied(16, 8), varied(5, 3), varied(1, 7)] {
+            textures.push((Texture { wrap, ..Texture::new(image) }, ColorSpace::Linear));
+        }
+    }
+    let lookup = |i: usize| {
+        let uv = [(); 2].map(|()| 6.0 * random.unit() - 3.0);
+        Lookup { blended: true, ..Lookup::at(i % 27, uv, random.unit()) }
+    };
+    let lookups: Vec<_> = (0..20_000).map(lookup).collect();
+    for_each_device(|device| {
+        for (lookup, found) in lookups.iter().zip(look_up(&device, &textures, &lookups)) {
+            let texture = &textures[lookup.texture].0;
+            let expected = bilinear(texture, place(texture, lookup.uv[0]));
+            // Coordinates of three images of 16 texels are rounded to a few millionths of a texel.
+            let apart = distance(expected, found.map(f64::from));
+            assert!(apart < 2e-5, "{} {lookup:?}: expected {expected:?}, found {found:?}", device.label);
         }
     });
 }

@@ -40,7 +40,7 @@ fn transforms_and_sets_are_applied() {
     let turned = Texture { transform: [[0.0, 1.0, 0.0], [-1.0, 0.0, 1.0]], ..plain.clone() };
     let textures = [plain, second, turned].map(|texture| (texture, ColorSpace::Linear));
     let uv = [[0.25, 0.25], [0.75, 0.25]];
-    let lookups = [0, 1, 2].map(|texture| Lookup { texture, uv, random: 0.5 });
+    let lookups = [0, 1, 2].map(|texture| Lookup { texture, uv, random: 0.5, blended: false });
     for_each_device(|device| {
         assert_eq!(look_up(&device, &textures, &lookups), [RED, GREEN, BLUE], "{}", device.label);
     });

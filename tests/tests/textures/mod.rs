@@ -20,23 +20,25 @@ fn anywhere() -> Scene {
     parse("[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nvertical_fov_degrees = 40\n")
 }
 
-/// Arguments of a lookup: the texture's index, texture coordinates in both sets, and a random number.
+/// Arguments of a lookup: the texture's index, texture coordinates in both sets, a random number, and whether texels are
+/// blended.
 #[derive(Clone, Copy, Debug)]
 struct Lookup {
     texture: usize,
     uv: [[f32; 2]; 2],
     random: f32,
+    blended: bool,
 }
 
 impl Lookup {
     /// Makes a lookup at equal coordinates in both sets.
     fn at(texture: usize, uv: [f32; 2], random: f32) -> Self {
-        Self { texture, uv: [uv; 2], random }
+        Self { texture, uv: [uv; 2], random, blended: false }
     }
 
     fn question(&self) -> Question {
         let [[u0, v0], [u1, v1]] = self.uv;
-        [[self.texture as f32, self.random, 0.0, 0.0], [u0, v0, u1, v1], [0.0; 4]]
+        [[self.texture as f32, self.random, f32::from(u8::from(self.blended)), 0.0], [u0, v0, u1, v1], [0.0; 4]]
     }
 }
 

@@ -56,6 +56,7 @@ fn expected(feature: Feature, scene: &Scene, direction: DVec3, hit: &Answer) -> 
         Feature::Position => first_three(hit[1]),
         Feature::Object => DVec3::splat(f64::from(place) + 1.0),
         Feature::Material => DVec3::splat(f64::from(number) + 1.0),
+        Feature::GuideAlbedo | Feature::GuideNormal => unreachable!("guides look further"),
     }
 }
 
@@ -137,11 +138,105 @@ fn hidden_boundaries_are_looked_through() {
                     Feature::Position => 3.0 * direction,
                     Feature::Object => DVec3::splat(wall + 1.0),
                     Feature::Material => DVec3::splat(3.0),
+                    Feature::GuideAlbedo | Feature::GuideNormal => unreachable!("guides are tested alone"),
                 };
                 let error = relative_difference(found[place], expected);
                 assert!(error < 1e-6, "{what}: expected {expected}, found {}", found[place]);
             }
         }
+    });
+}
+
+/// Guides are those of the wall that is seen through glass and in mirrors, in the colours these leave of it, but of the
+/// first surface where that is rough.
+#[test]
+fn guides_look_through_glass_and_into_mirrors() {
+    let wall = DVec3::new(0.2, 0.4, 0.6);
+    let behind = "rectangle = { corner = [-90, -90, -9], edge_u = [180, 0, 0], edge_v = [0, 180, 0] }";
+    let front = "rectangle = { corner = [-90, -90, 9], edge_u = [180, 0, 0], edge_v = [0, 180, 0] }";
+    let flat = "rectangle = { corner = [-9, -9, -2], edge_u = [18, 0, 0], edge_v = [0, 18, 0] }";
+    let body = "box = { center = [0, 0, -3], size = [20, 20, 1] }";
+    let pane =
+        "principled = { base_color = [0.5, 0.8, 1], transmission = 1, roughness = 0, thin_walled = true, ior = 1 }";
+    let towards = DVec3::new(0.5, 0.5, 1.0);
+    // (what, its material, its shape, where the wall is, colour, normal as it is encoded)
+    let cases = [
+        ("nothing", "", "", behind, wall, towards),
+        ("a pane", pane, flat, behind, DVec3::new(0.5, 0.8, 1.0) * wall, towards),
+        (
+            "glass",
+            "color = [0.9, 0.9, 0.5]\nrefractive_index = 1.5\nreflection = 0",
+            body,
+            behind,
+            DVec3::new(0.81, 0.81, 0.25) * wall,
+            towards,
+        ),
+        (
+            "a mirror",
+            "color = [0.9, 0.8, 0.7]\nsmoothness = 1",
+            flat,
+            front,
+            DVec3::new(0.9, 0.8, 0.7) * wall,
+            DVec3::new(0.5, 0.5, 0.0),
+        ),
+        (
+            "metal",
+            "principled = { base_color = [1, 1, 1], metallic = 1, roughness = 0 }",
+            flat,
+            front,
+            wall,
+            DVec3::new(0.5, 0.5, 0.0),
+        ),
+        ("a mirror of the sky", "smoothness = 1", flat, behind, DVec3::ZERO, DVec3::splat(0.5)),
+        ("chalk", "color = [0.7, 0.6, 0.5]", flat, behind, DVec3::new(0.7, 0.6, 0.5), towards),
+        (
+            "lacquer",
+            "principled = { base_color = [0.7, 0.6, 0.5], clearcoat = 1, roughness = 1 }",
+            flat,
+            behind,
+            DVec3::new(0.7, 0.6, 0.5),
+            towards,
+        ),
+    ];
+    for (what, material, shape, wall, albedo, normal) in cases {
+        let subject = format!("[materials.m]\n{material}\n[[shapes]]\nmaterial = \"m\"\n{shape}\n");
+        let scene = parse(&format!(
+            "[render]\nwidth = 5\nheight = 5\n
+             [camera]\nposition = [0, 0, 0]\nlook_at = [0, 0, -1]\nvertical_fov_degrees = 20\n
+             [materials.wall]\ncolor = [0.2, 0.4, 0.6]\n{}
+             [[shapes]]\nmaterial = \"wall\"\n{wall}\n",
+            if shape.is_empty() { "" } else { &subject },
+        ));
+        for_each_device(|device| {
+            let mut session = load(device.device, &scene);
+            for (feature, expected) in [(Feature::GuideAlbedo, albedo), (Feature::GuideNormal, normal)] {
+                session.show(feature).expect("the feature is shown");
+                session.add_samples(0..5, 0..4).expect("samples are added");
+                for found in means(&session.film().expect("the film is read")) {
+                    let near = (found - expected).abs().max_element() < 1e-5;
+                    assert!(near, "{}, {what}, {feature:?}: expected {expected}, found {found}", device.label);
+                }
+            }
+        });
+    }
+}
+
+/// Mirrors that face each other have no end, and guides have.
+#[test]
+fn guides_end() {
+    let scene = parse(
+        "[render]\nwidth = 2\nheight = 2\n
+         [camera]\nposition = [0, 0, 0]\nlook_at = [0, 0, -1]\nvertical_fov_degrees = 20\n
+         [materials.mirror]\ncolor = [1, 1, 1]\nsmoothness = 1\n
+         [[shapes]]\nmaterial = \"mirror\"\nsphere = { center = [0, 0, 0], radius = 1 }\n",
+    );
+    for_each_device(|device| {
+        let mut session = load(device.device, &scene);
+        session.show(Feature::GuideAlbedo).expect("the feature is shown");
+        session.add_samples(0..2, 0..1).expect("samples are added");
+        let film = session.film().expect("the film is read");
+        assert!(film.pixels().iter().all(|pixel| pixel.rays == 8), "{}", device.label);
+        assert_eq!(means(&film), [DVec3::ONE; 4], "{}", device.label);
     });
 }
 

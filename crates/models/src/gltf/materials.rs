@@ -256,6 +256,7 @@ fn make_unlit(surface: &mut Principled) {
         alpha_mode: surface.alpha_mode,
         emissive: surface.base_color,
         emissive_texture: surface.base_color_texture.clone(),
+        emission_has_vertex_color: true,
         specular: 0.0,
         ..Principled::default()
     };

@@ -110,10 +110,6 @@ fn warn_of_attributes(asset: &Asset<'_>, primitive: &Primitive, path: &str) {
         let name = crate::text::quoted(name.as_bytes());
         asset.warnings.push(format!("{path}: the attribute {name} is not used"));
     }
-    let unlit = primitive.material.is_some_and(|m| asset.document.materials[m].extensions().unlit.is_some());
-    if unlit && primitive.attributes.contains_key("COLOR_0") {
-        asset.warnings.push(format!("{path}: the colours of the vertices do not change what its unlit material emits"));
-    }
 }
 
 /// Appends a stream's values of an attribute to the list; `neutral` fills in for streams that lack it.

@@ -56,8 +56,8 @@ impl Blocks {
 
     /// Lets blocks rest whose relative error, and that of the blocks around them, is below `noise`. A block that rests
     /// does so for good. Judging neighbours together keeps a block from resting early because it has missed what they
-    /// have found.
-    pub(crate) fn judge(&mut self, film: &Film, noise: f64) {
+    /// have found. Returns the largest error of the blocks.
+    pub(crate) fn judge(&mut self, film: &Film, noise: f64) -> f64 {
         let (columns, rows) = (self.columns(), self.height.div_ceil(BLOCK));
         let least = DARKEST * mean_luminance(film, 0..self.width, 0..self.height);
         let errors: Vec<f64> = (0..columns * rows).map(|i| self.error(film, i % columns, i / columns, least)).collect();
@@ -69,6 +69,7 @@ impl Blocks {
                 self.words[block as usize / 32] |= 1 << (block % 32);
             }
         }
+        errors.into_iter().fold(0.0, f64::max)
     }
 
     fn columns(&self) -> u32 {

@@ -1,7 +1,8 @@
 //! The CPU as a device: the kernels compiled to machine code, on all cores.
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use raggio_kernels::cpu::{Buffers, CpuScene, InstructionSet, dispatch};
 use raggio_kernels::{EntryPoint, Feature, FilmPixel, Probe, Work};
@@ -46,6 +47,12 @@ struct Workers {
     pool: ThreadPool,
     set: InstructionSet,
     tile_rows: u32,
+}
+
+impl Workers {
+    fn threads(&self) -> u32 {
+        self.pool.current_num_threads() as u32
+    }
 }
 
 impl CpuDevice {
@@ -118,16 +125,31 @@ impl Session for CpuSession {
         self.films.show(feature, || Ok(Film::new(self.work.width, self.work.height)))
     }
 
-    fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
+    fn add_samples_until(
+        &mut self,
+        rows: Range<u32>,
+        samples: Range<u32>,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<u32, DeviceError> {
         let Self { workers, scene, work, integrator, films, resting, .. } = self;
         let feature = films.feature();
         let entry = sampling(*integrator, feature);
         let width = work.width as usize;
         let band = &mut films.shown_mut().pixels_mut()[rows.start as usize * width..rows.end as usize * width];
-        let tile_rows = workers.tile_rows;
-        workers.pool.install(|| {
-            band.par_chunks_mut(width * tile_rows as usize).enumerate().for_each(|(i, tile)| {
-                let first_row = rows.start + i as u32 * tile_rows;
+        // A few rows are shared by all threads too.
+        let tile_rows = workers.tile_rows.min(rows.len() as u32 / workers.threads()).max(1);
+        // Tiles are taken in their order, so that those that are done when work stops are the first ones.
+        let tiles =
+            Mutex::new(band.chunks_mut(width * tile_rows as usize).zip((rows.start..).step_by(tile_rows as usize)));
+        let done = AtomicU32::new(0);
+        workers.pool.broadcast(|_| {
+            loop {
+                let next = {
+                    let mut tiles = tiles.lock().unwrap_or_else(PoisonError::into_inner);
+                    let may_stop = done.load(Ordering::Relaxed) > 0 && stop();
+                    if may_stop { None } else { tiles.next() }
+                };
+                let Some((tile, first_row)) = next else { break };
                 let work = Work {
                     band_row: first_row,
                     first_row,
@@ -141,9 +163,10 @@ impl Session for CpuSession {
                 };
                 let buffers = Buffers { film: tile, resting, ..Buffers::default() };
                 dispatch(workers.set, entry, Some(scene), &work, buffers);
-            });
+                done.fetch_add(work.rows, Ordering::Relaxed);
+            }
         });
-        Ok(())
+        Ok(done.into_inner())
     }
 
     fn rest(&mut self, blocks: Option<&Blocks>) -> Result<(), DeviceError> {
@@ -199,6 +222,10 @@ impl Session for CpuSession {
         let buffers = Buffers { output: &mut output, input, ..Buffers::default() };
         dispatch(self.workers.set, EntryPoint::Probe, Some(&self.scene), &work, buffers);
         Ok(bytemuck::allocation::pod_collect_to_vec(&output))
+    }
+
+    fn rows_at_once(&self) -> u32 {
+        self.workers.threads()
     }
 
     fn patience_seconds(&self) -> f64 {

@@ -47,8 +47,24 @@ pub trait Session: Send {
     /// others the last: any other begins empty.
     fn show(&mut self, feature: Feature) -> Result<(), DeviceError>;
 
+    /// Adds the samples `samples` to the pixels of `rows`, from the first row on, and waits for them. Where `stop`, which
+    /// is asked as often as the device can, says so, the last rows go without; one at least is done. Returns how many are.
+    fn add_samples_until(
+        &mut self,
+        rows: Range<u32>,
+        samples: Range<u32>,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<u32, DeviceError>;
+
     /// Adds the samples `samples` to the pixels of `rows`, and waits for them.
-    fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError>;
+    fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
+        self.add_samples_until(rows, samples, &|| false).map(|_| ())
+    }
+
+    /// Makes ready what [`Session::add_samples`] needs, which takes a while where a driver compiles kernels.
+    fn prepare(&mut self) -> Result<(), DeviceError> {
+        Ok(())
+    }
 
     /// Lets those of `blocks` rest that are marked so: their radiance takes no more samples. `None`: no block rests.
     fn rest(&mut self, blocks: Option<&Blocks>) -> Result<(), DeviceError>;
@@ -78,6 +94,11 @@ pub trait Session: Send {
 
     /// Evaluates one function of the kernels for many arguments: see `Probe` in `kernels/entry/probe.slang`.
     fn ask(&mut self, probe: Probe, questions: &[Question]) -> Result<Vec<Answer>, DeviceError>;
+
+    /// Number of rows that take no longer together than one alone.
+    fn rows_at_once(&self) -> u32 {
+        1
+    }
 
     /// Longest time that one call of [`Session::add_samples`] may take without harm, in seconds.
     fn patience_seconds(&self) -> f64;

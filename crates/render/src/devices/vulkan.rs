@@ -258,7 +258,18 @@ impl Session for VulkanSession {
         self.films.show(feature, || self.kernels.film(&self.work, &self.resting))
     }
 
-    fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
+    fn prepare(&mut self) -> Result<(), DeviceError> {
+        let entry = sampling(self.integrator, self.films.feature());
+        self.kernels.pipeline(entry, self.resident.variant).map(|_| ())
+    }
+
+    fn add_samples_until(
+        &mut self,
+        rows: Range<u32>,
+        samples: Range<u32>,
+        _: &(dyn Fn() -> bool + Sync),
+    ) -> Result<u32, DeviceError> {
+        // Nothing stops a dispatch: it is as short as the renderer makes it.
         let feature = self.films.feature();
         let entry = sampling(self.integrator, feature);
         let pipeline = self.kernels.pipeline(entry, self.resident.variant)?;
@@ -284,7 +295,7 @@ impl Session for VulkanSession {
                 passes.compute(&pipeline, &sets, bytemuck::bytes_of(&work), groups);
             })?;
         }
-        Ok(())
+        Ok(rows.len() as u32)
     }
 
     fn rest(&mut self, blocks: Option<&Blocks>) -> Result<(), DeviceError> {

@@ -18,6 +18,10 @@ choice! {
         Albedo = "albedo",
         /// Unit normal of the first surface in the world, on the side that is seen: normal.X, .Y, .Z
         Normal = "normal",
+        /// Colour beyond smooth glass and in mirrors, for denoisers: guide_albedo.R, .G, .B
+        GuideAlbedo = "guide_albedo",
+        /// Normal of the surface with that colour, shorter where several are seen: guide_normal.X, .Y, .Z
+        GuideNormal = "guide_normal",
         /// Distance of the first surface along the view direction, infinite where there is none: depth.Z
         Depth = "depth",
         /// Position of the first surface in the world: position.X, .Y, .Z
@@ -66,6 +70,8 @@ impl Aov {
         match self {
             Self::Albedo => &[Feature::Albedo],
             Self::Normal => &[Feature::Normal, Feature::Hit],
+            Self::GuideAlbedo => &[Feature::GuideAlbedo],
+            Self::GuideNormal => &[Feature::GuideNormal],
             Self::Depth => &[Feature::PlaneDepth, Feature::Hit],
             Self::Position => &[Feature::Position, Feature::Hit],
             Self::ObjectId => &[Feature::Object],
@@ -81,6 +87,8 @@ impl Aov {
         match self {
             Self::Albedo => self.vector(["R", "G", "B"], features.vectors(Feature::Albedo)),
             Self::Normal => self.vector(["X", "Y", "Z"], features.normals()),
+            Self::GuideAlbedo => self.vector(["R", "G", "B"], features.guide_albedos()),
+            Self::GuideNormal => self.vector(["X", "Y", "Z"], features.guide_normals()),
             Self::Depth => vec![self.channel("Z", Values::F32(features.depths()))],
             Self::Position => self.vector(["X", "Y", "Z"], features.positions()),
             Self::Motion => {
@@ -111,8 +119,8 @@ impl Aov {
 }
 
 impl Features {
-    /// Features that guide a denoiser: [`Features::albedos`] and [`Features::normals`] are made from these.
-    pub const GUIDES: [Feature; 3] = [Feature::Albedo, Feature::Normal, Feature::Hit];
+    /// Features that guide a denoiser: [`Features::guide_albedos`] and [`Features::guide_normals`] are made from these.
+    pub const GUIDES: [Feature; 2] = [Feature::GuideAlbedo, Feature::GuideNormal];
 
     /// Renders each of `wanted` once, with `samples` samples a pixel, or at least one if `proceed`, which is asked
     /// after each portion, no longer lets it. The film that is shown stays as it is.
@@ -161,14 +169,21 @@ impl Features {
         Ok(wanted.iter().all(|feature| self.films.contains_key(&(*feature as u32))))
     }
 
-    /// Mean colours of the first surfaces, row by row from the top left; black where there is none.
-    pub fn albedos(&self) -> Vec<[f32; 3]> {
-        self.vectors(Feature::Albedo)
+    /// Mean colours of what is seen through smooth glass and in mirrors too, row by row from the top left; black where
+    /// there is nothing.
+    pub fn guide_albedos(&self) -> Vec<[f32; 3]> {
+        self.vectors(Feature::GuideAlbedo)
     }
 
-    /// Mean normals of the first surfaces, row by row from the top left; 0 where there is none, and shorter than 1
+    /// Mean normals of the surfaces that [`Features::guide_albedos`] are of; 0 where there is none, and shorter than 1
     /// where several are seen.
-    pub fn normals(&self) -> Vec<[f32; 3]> {
+    pub fn guide_normals(&self) -> Vec<[f32; 3]> {
+        let normal = |i: usize| self.mean(Feature::GuideNormal, i).map(|encoded| (2.0 * encoded - 1.0) as f32);
+        (0..self.pixels()).map(normal).collect()
+    }
+
+    /// Mean normals of the first surfaces; 0 where there is none, and shorter than 1 where several are seen.
+    fn normals(&self) -> Vec<[f32; 3]> {
         let normal = |i: usize| {
             let [coverage, ..] = self.mean(Feature::Hit, i);
             self.mean(Feature::Normal, i).map(|encoded| (2.0 * encoded - coverage) as f32)

@@ -18,7 +18,7 @@ use raggio_scene::{
 
 use crate::translation::bounds::shape_bounds;
 use crate::translation::device_scene::albedos::albedos;
-use crate::translation::device_scene::materials::Materials;
+use crate::translation::device_scene::materials::{Materials, is_clear};
 use crate::translation::device_scene::shapes::Shapes;
 use crate::translation::error::TranslationError;
 use crate::translation::filters::filter_table;
@@ -94,6 +94,7 @@ impl DeviceScene {
         for counts in Arc::make_mut(&mut self.buffers.counts) {
             counts.lights = scene.lights.len() as u32;
             counts.absorbing = u32::from(absorbing);
+            counts.clear = u32::from(scene.materials.iter().any(is_clear));
         }
         self.lights.share(&mut self.buffers);
         self.set_view(scene)

@@ -37,6 +37,16 @@ impl Materials {
     }
 }
 
+/// Whether light may pass surfaces of `material` straight: see `passesStraight` in kernels/materials/principled.slang.
+pub(super) fn is_clear(material: &Material) -> bool {
+    /// Roughness from which on no sheet is smooth.
+    const ROUGH: f32 = 0.04;
+    material.principled.as_ref().is_some_and(|principled| {
+        let smooth = principled.roughness < ROUGH || principled.metallic_roughness_texture.is_some();
+        principled.thin_walled && principled.transmission > 0.0 && smooth
+    })
+}
+
 /// Whether `material` lets light pass between what is there and what is not.
 pub(super) fn has_holes(material: &Material) -> bool {
     material.principled.as_ref().is_some_and(|principled| principled.alpha_mode != AlphaMode::Opaque)
@@ -146,5 +156,6 @@ fn device_principled(
         alpha_mode: alpha_mode as u32,
         alpha_cutoff,
         thin_walled: u32::from(p.thin_walled),
+        emission_has_vertex_color: u32::from(p.emission_has_vertex_color),
     })
 }
