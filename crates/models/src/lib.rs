@@ -16,6 +16,7 @@ mod color;
 mod error;
 mod file;
 mod gltf;
+mod inside;
 mod load;
 mod material;
 mod mesh;
