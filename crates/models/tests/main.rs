@@ -4,4 +4,5 @@ mod formats;
 mod gltf;
 mod hostile;
 mod materials;
+mod polygons;
 mod round_trip;
