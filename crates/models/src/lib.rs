@@ -27,6 +27,7 @@ mod polygon;
 mod stl;
 mod text;
 mod translate;
+mod warnings;
 
 pub use error::{ModelError, Place};
 pub use file::{LoadOptions, MOST_BYTES, path_inside};
@@ -35,7 +36,7 @@ pub use load::{Format, load};
 pub use material::{AlphaMode, Principled, Texture, TextureFilter, Wrap};
 pub use mesh::{Dropped, Mesh, MeshFile, Part};
 pub use model::{Camera, Instance, Light, LightKind, Material, Model};
-pub use obj::mtl::{MtlMap, MtlMaterial, parse_mtl};
+pub use obj::mtl::{MtlLibrary, MtlMap, MtlMaterial, parse_mtl};
 pub use obj::parse_obj;
 pub use ply::parse_ply;
 pub use stl::parse_stl;

@@ -1,17 +1,29 @@
 //! MTL, the material libraries of OBJ, as plain data.
 
 use super::lines::{Lines, keyword, words};
-use crate::error::{Fault, ModelError};
-use crate::text::{number, quoted};
+use super::lookup::unquoted;
+use crate::text::{number, quoted, unmarked};
+use crate::warnings::Warnings;
 
 /// Most unknown keywords of a material that are told.
 const MOST_UNREAD: usize = 16;
+
+/// Contents of a material library.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MtlLibrary {
+    /// Materials in the order of the file.
+    pub materials: Vec<MtlMaterial>,
+    /// Warnings for the user, one sentence each, with the file's name.
+    pub warnings: Vec<String>,
+}
 
 /// A material of a library; `None` where the library is silent.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MtlMaterial {
     /// Name of the material, as `usemtl` gives it.
     pub name: String,
+    /// Folder of the library as the OBJ names it, with a slash at its end; empty for the OBJ's own folder.
+    pub folder: String,
     /// Diffuse colour (Kd).
     pub diffuse: Option<[f32; 3]>,
     /// Specular colour (Ks).
@@ -24,6 +36,8 @@ pub struct MtlMaterial {
     pub shininess: Option<f32>,
     /// Opacity (d, or one minus Tr).
     pub opacity: Option<f32>,
+    /// Whether the opacity is one minus Tr, which some programs write with the meaning of d.
+    pub opacity_by_tr: bool,
     /// Refractive index (Ni).
     pub refractive_index: Option<f32>,
     /// Illumination model (illum).
@@ -75,21 +89,22 @@ pub struct MtlMap {
     pub multiplier: f32,
 }
 
-/// Reads a material library; `name` stands for the file in messages. Unknown lines are passed over.
-///
-/// # Errors
-/// When a value is missing, or is not a finite number.
-pub fn parse_mtl(bytes: &[u8], name: &str) -> Result<Vec<MtlMaterial>, ModelError> {
-    let mut materials: Vec<MtlMaterial> = Vec::new();
-    for (line, text) in Lines::new(bytes) {
+/// Reads a material library; `name` stands for the file in warnings. Unknown lines are passed over, and so is, with a
+/// warning, one whose value is missing or not a finite number.
+pub fn parse_mtl(bytes: &[u8], name: &str) -> MtlLibrary {
+    let text = unmarked(bytes);
+    let (mut materials, mut warnings) = (Vec::<MtlMaterial>::new(), Warnings::default());
+    for (line, text) in Lines::new(&text) {
         let (key, rest) = keyword(&text);
-        if key == b"newmtl" {
+        if key.eq_ignore_ascii_case(b"newmtl") {
             materials.push(MtlMaterial { name: lossy(rest), ..MtlMaterial::default() });
-        } else if let Some(material) = materials.last_mut() {
-            set(material, key, rest).map_err(|message| Fault::line(line, message).of(name))?;
+        } else if let Some(material) = materials.last_mut()
+            && let Err(message) = set(material, key, rest)
+        {
+            warnings.push(format!("{name}:{line}: {message}: {} keeps its default", quoted(key)));
         }
     }
-    Ok(materials)
+    MtlLibrary { materials, warnings: warnings.into_sentences() }
 }
 
 pub(super) fn lossy(text: &[u8]) -> String {
@@ -103,9 +118,15 @@ fn set(material: &mut MtlMaterial, key: &[u8], rest: &[u8]) -> Result<(), String
         b"ke" => material.emission = color(rest)?,
         b"tf" => material.transmission = color(rest)?,
         b"ns" => material.shininess = Some(value(rest)?),
-        b"d" => material.opacity = Some(value(rest.strip_prefix(b"-halo").unwrap_or(rest))?),
+        b"d" => {
+            let opacity = value(rest.strip_prefix(b"-halo").unwrap_or(rest))?;
+            (material.opacity, material.opacity_by_tr) = (Some(opacity), false);
+        }
         // The value of `d` counts where both are given: `Tr` has been written with either meaning.
-        b"tr" => material.opacity = material.opacity.or(Some(1.0 - value(rest)?)),
+        b"tr" if material.opacity.is_none() || material.opacity_by_tr => {
+            (material.opacity, material.opacity_by_tr) = (Some(1.0 - value(rest)?), true);
+        }
+        b"tr" => {}
         b"ni" => material.refractive_index = Some(value(rest)?),
         b"illum" => material.illumination = Some(value(rest)?),
         b"pr" => material.roughness = Some(value(rest)?),
@@ -184,8 +205,8 @@ fn map(mut rest: &[u8]) -> Option<MtlMap> {
         }
         map.set(option, &values);
     }
-    map.file = lossy(rest);
-    (!rest.is_empty()).then_some(map)
+    map.file = lossy(unquoted(rest));
+    (!map.file.is_empty()).then_some(map)
 }
 
 impl MtlMap {
