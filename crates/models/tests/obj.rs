@@ -170,7 +170,8 @@ fn models_that_tr_would_hide_are_opaque() {
 
 #[test]
 fn a_bad_number_costs_its_line_alone() {
-    let mtl = "newmtl a\nKd 1 0 0\nNs nan\nNi 1,5\nKs 1 x 1\nd\nPr 0.25\nmap_Kd -s x y t.png\n";
+    let mtl =
+        "newmtl a\nKd 1 0 0\nNs nan\nNi 1,5\nKs 1 x 1\nd\nPr 0.25\nmap_Kd -s 2 nan -o 1 1 t.png\nbump -bm 1,5 b.png\n";
     let library = parse_mtl(mtl.as_bytes(), "a.mtl");
     let material = &library.materials[0];
     assert_eq!((material.diffuse, material.roughness), (Some([1.0, 0.0, 0.0]), Some(0.25)));
@@ -183,8 +184,13 @@ fn a_bad_number_costs_its_line_alone() {
         "a.mtl:4: `1,5` should be a finite number: `Ni` keeps its default",
         "a.mtl:5: `x` should be a finite number: `Ks` keeps its default",
         "a.mtl:6: a number should follow: `d` keeps its default",
+        "a.mtl:8: `nan` should be a finite number behind `-s`: `map_Kd` keeps its default",
+        "a.mtl:9: `1,5` should be a finite number behind `-bm`: `bump` keeps its default",
     ];
     assert_eq!(library.warnings, expected);
+    let map = material.diffuse_map.as_ref().unwrap();
+    assert_eq!((map.file.as_str(), map.scale, map.offset), ("t.png", [1.0; 2], [1.0; 2]));
+    assert_eq!(material.bump_map.as_ref().unwrap().multiplier, 1.0);
 }
 
 #[test]

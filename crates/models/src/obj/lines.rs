@@ -61,8 +61,8 @@ fn takes_name(keyword: &[u8]) -> bool {
 
 /// The line up to its comment. The `#` of `1.#IND` and its like, by which C libraries mean what is not a number, begins none.
 fn without_comment(line: &[u8]) -> &[u8] {
-    let begins = |at: &usize| line[*at] == b'#' && !line[..*at].ends_with(b"1.");
-    let length = (0..line.len()).find(begins).unwrap_or(line.len());
+    let mut signs = line.iter().enumerate().filter(|(_, byte)| **byte == b'#').map(|(at, _)| at);
+    let length = signs.find(|at| !line[..*at].ends_with(b"1.")).unwrap_or(line.len());
     line[..length].trim_ascii()
 }
 

@@ -135,14 +135,14 @@ fn set(material: &mut MtlMaterial, key: &[u8], rest: &[u8]) -> Result<(), String
         b"pcr" => material.clearcoat_roughness = Some(value(rest)?),
         b"aniso" => material.anisotropy = Some(value(rest)?),
         b"anisor" => material.anisotropy_rotation = Some(value(rest)?),
-        b"map_kd" => material.diffuse_map = map(rest),
-        b"map_ks" => material.specular_map = map(rest),
-        b"map_ke" => material.emission_map = map(rest),
-        b"map_d" => material.opacity_map = map(rest),
-        b"map_pr" => material.roughness_map = map(rest),
-        b"map_pm" => material.metallic_map = map(rest),
-        b"norm" | b"map_kn" => material.normal_map = map(rest),
-        b"bump" | b"map_bump" => material.bump_map = map(rest),
+        b"map_kd" => map(rest, &mut material.diffuse_map)?,
+        b"map_ks" => map(rest, &mut material.specular_map)?,
+        b"map_ke" => map(rest, &mut material.emission_map)?,
+        b"map_d" => map(rest, &mut material.opacity_map)?,
+        b"map_pr" => map(rest, &mut material.roughness_map)?,
+        b"map_pm" => map(rest, &mut material.metallic_map)?,
+        b"norm" | b"map_kn" => map(rest, &mut material.normal_map)?,
+        b"bump" | b"map_bump" => map(rest, &mut material.bump_map)?,
         // Ambient reflection is for the light to say; the others are switches for renderers of old.
         b"ka" | b"map_ka" | b"sharpness" | b"map_aat" => {}
         _ => unread(material, key, rest),
@@ -180,9 +180,10 @@ fn unread(material: &mut MtlMaterial, key: &[u8], rest: &[u8]) {
     }
 }
 
-/// Texture of a line: options such as `-s 2 2 1`, then the name of the file, which may have blanks.
-fn map(mut rest: &[u8]) -> Option<MtlMap> {
-    let mut map = MtlMap::named(String::new());
+/// Reads the texture of a line: options such as `-s 2 2 1`, then the name of the file, which may have blanks. An option whose
+/// numbers are none keeps its default, and is told.
+fn map(mut rest: &[u8], into: &mut Option<MtlMap>) -> Result<(), String> {
+    let (mut map, mut told) = (MtlMap::named(String::new()), Ok(()));
     loop {
         let (option, after) = keyword(rest);
         let (least, most) = match option {
@@ -203,10 +204,11 @@ fn map(mut rest: &[u8]) -> Option<MtlMap> {
             values.push(word);
             rest = after;
         }
-        map.set(option, &values);
+        told = told.and(map.set(option, &values));
     }
     map.file = lossy(unquoted(rest));
-    (!map.file.is_empty()).then_some(map)
+    *into = (!map.file.is_empty()).then_some(map);
+    told
 }
 
 impl MtlMap {
@@ -215,15 +217,19 @@ impl MtlMap {
         Self { file, scale: [1.0; 2], offset: [0.0; 2], clamp: false, multiplier: 1.0 }
     }
 
-    /// Options that are no numbers where they should be, or are not known, change nothing.
-    fn set(&mut self, option: &[u8], values: &[&[u8]]) {
-        let value = |i: usize| values.get(i).and_then(|word| finite(word).ok());
+    /// Sets an option; those that are not known change nothing.
+    fn set(&mut self, option: &[u8], values: &[&[u8]]) -> Result<(), String> {
+        let value = |i: usize, default: f32| match values.get(i) {
+            Some(word) => finite(word).map_err(|message| format!("{message} behind {}", quoted(option))),
+            None => Ok(default),
+        };
         match option {
             b"-clamp" => self.clamp = values == [b"on"],
-            b"-bm" => self.multiplier = value(0).unwrap_or(self.multiplier),
-            b"-s" => self.scale = [value(0).unwrap_or(1.0), value(1).unwrap_or(1.0)],
-            b"-o" => self.offset = [value(0).unwrap_or(0.0), value(1).unwrap_or(0.0)],
+            b"-bm" => self.multiplier = value(0, 1.0)?,
+            b"-s" => self.scale = [value(0, 1.0)?, value(1, 1.0)?],
+            b"-o" => self.offset = [value(0, 0.0)?, value(1, 0.0)?],
             _ => {}
         }
+        Ok(())
     }
 }
