@@ -11,15 +11,25 @@ use robust::{Coord, orient2d};
 /// Largest error of the area of all triangles, as a part of the polygon's.
 const AREA_ERROR: f64 = 1e-6;
 
-/// The triangles of a polygon that turns to the left, by the numbers of its corners; two fewer than corners. `None` for one
-/// whose edges cross, or on which the rounding of a sweep fails.
+/// The triangles of a polygon that turns to the left, by the numbers of its corners; one for each corner but two, and but
+/// those that are where the corner before them is. `None` for a polygon whose edges cross, or turn back on themselves.
 pub(super) fn triangles(corners: &[[f64; 2]]) -> Option<Vec<[usize; 3]>> {
     if !corners.as_flattened().iter().all(|x| x.is_finite()) {
         return None;
     }
-    let polygon = Polygon { corners };
+    let before = corners.iter().cycle().skip(corners.len() - 1);
+    let kept = corners.iter().zip(before).enumerate().filter(|(_, (corner, before))| corner != before);
+    // Adding zero makes -0 and 0 the same.
+    let (numbers, places): (Vec<usize>, Vec<[f64; 2]>) =
+        kept.map(|(number, (corner, _))| (number, corner.map(|x| x + 0.0))).unzip();
+    let triangles = sweep(Polygon { corners: &places })?;
+    Some(triangles.into_iter().map(|triangle| triangle.map(|corner| numbers[corner])).collect())
+}
+
+fn sweep(polygon: Polygon<'_>) -> Option<Vec<[usize; 3]>> {
+    let count = polygon.corners.len().checked_sub(2)?;
     let diagonals = Sweep::new(polygon).diagonals()?;
-    let mut triangles = Vec::with_capacity(corners.len() - 2);
+    let mut triangles = Vec::with_capacity(count);
     for piece in polygon.pieces(&diagonals)? {
         polygon.cut_monotone(&piece, &mut triangles);
     }
