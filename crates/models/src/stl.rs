@@ -16,6 +16,8 @@ const HEADER_BYTES: usize = 84;
 const FACET_BYTES: usize = 50;
 /// Bytes within which an ascii file has its first facet.
 const ASCII_PROBE_BYTES: usize = 4096;
+/// Words after `facet` that are its normal, in whatever form: `normal` and three numbers.
+const MOST_NORMAL_WORDS: u32 = 4;
 /// Largest coordinate that is taken for one where the length of a binary file does not say that it is an STL at all.
 const LARGEST_PLAUSIBLE: f32 = 1e18;
 
@@ -123,6 +125,7 @@ fn corners(facet: &[u8]) -> [[f32; 3]; 3] {
 fn ascii(bytes: &[u8], warnings: &mut Warnings) -> Result<(Mesh, usize), Fault> {
     let mut solids = Solids::default();
     let mut words = Words::new(bytes, 0, 1);
+    let mut normal_words = 0;
     while let Some(word) = words.next() {
         match word.to_ascii_lowercase().as_slice() {
             b"solid" => solids.begin(String::from_utf8_lossy(words.rest_of_line()).into()),
@@ -130,12 +133,11 @@ fn ascii(bytes: &[u8], warnings: &mut Warnings) -> Result<(Mesh, usize), Fault> 
                 words.rest_of_line();
                 solids.end();
             }
-            // The words after `facet` are its normal, in whatever form.
             b"facet" => {
                 solids.facet();
-                words.rest_of_line();
+                normal_words = MOST_NORMAL_WORDS;
             }
-            b"outer" | b"loop" => {}
+            b"outer" | b"loop" => normal_words = 0,
             // A vertex at which the file is cut off is none.
             b"vertex" => match [words.number(), words.number(), words.number()] {
                 _ if words.bytes_left() == 0 => break,
@@ -143,6 +145,7 @@ fn ascii(bytes: &[u8], warnings: &mut Warnings) -> Result<(Mesh, usize), Fault> 
             },
             b"endloop" | b"endfacet" => solids.facet(),
             [b'#' | b';' | b'!', ..] | [b'/', b'/', ..] => drop(words.rest_of_line()),
+            _ if normal_words > 0 => normal_words -= 1,
             _ => {
                 words.rest_of_line();
                 let Place::Line(line) = words.place() else { continue };

@@ -31,6 +31,9 @@ fn ascii_files_with_less_and_more_than_they_should_have() {
     one_triangle(whole.replace("vertex 1 0 0", "vertex 1 0 0 # the second"), &[]);
     one_triangle(format!("\u{feff}{whole}").encode_utf16().flat_map(u16::to_be_bytes).collect::<Vec<_>>(), &[]);
     one_triangle(FACET, &[]);
+    one_triangle(format!("solid\n{}endsolid", FACET.replace('\n', " ")), &[]);
+    one_triangle(whole.replace("facet normal 0 0 1", "facet normal -nan(ind) 1.#QNAN x"), &[]);
+    one_triangle(whole.replace("normal 0 0 1", "0 0 1"), &[]);
     let odd = whole.replace("outer", "color 1 0 0\nouter");
     one_triangle(odd, &["line 3: `color` is not a word of STL: the line is passed over"]);
     let colors = "color 1 0 0\n".repeat(500);
