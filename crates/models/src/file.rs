@@ -35,12 +35,6 @@ pub fn path_inside(folder: &Path, name: &str) -> Option<PathBuf> {
     inside.then(|| folder.join(name))
 }
 
-/// The path that [`path_inside`] gives, or one anywhere if the options allow it.
-pub(crate) fn path_near(folder: &Path, name: &str, options: &LoadOptions) -> Option<PathBuf> {
-    let anywhere = || folder.join(name.replace('\\', "/"));
-    if options.allow_outside { Some(anywhere()) } else { path_inside(folder, name) }
-}
-
 /// Bytes of the whole file, or the reason why it cannot be read.
 pub(crate) fn read(path: &Path, most_bytes: u64) -> Result<Vec<u8>, String> {
     let cannot = |error: std::io::Error| match error.kind() {

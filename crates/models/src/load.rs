@@ -5,13 +5,16 @@ use std::path::Path;
 use raggio_choice::{choice, endings, format_of};
 
 use crate::error::{Fault, ModelError};
-use crate::file::{LoadOptions, path_near, read};
+use crate::file::{LoadOptions, read};
 use crate::gltf::{GltfOptions, load_gltf};
 use crate::mesh::MeshFile;
 use crate::model::Model;
+use crate::obj::lookup::{Found, Lookup};
 use crate::obj::materials::translate;
+use crate::obj::mtl::MtlMaterial;
 use crate::obj::textures::Textures;
-use crate::text::escaped;
+use crate::text::{escaped, quoted};
+use crate::warnings::Warnings;
 use crate::{parse_mtl, parse_obj, parse_ply, parse_stl};
 
 /// Most bytes of a material library; larger ones are refused before they are read.
@@ -47,11 +50,20 @@ impl Format {
     }
 }
 
-/// Reads a model, with the libraries and textures that it names. One of these that cannot be read is a warning.
+/// Reads a model, with the libraries and textures that it names. One of these that cannot be read is a warning; warnings
+/// that are alike become one when there are many.
 ///
 /// # Errors
 /// When the file cannot be read, is too large, or is not a valid model.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Model, ModelError> {
+    let mut model = load_whole(path, options)?;
+    let mut warnings = Warnings::default();
+    warnings.extend(std::mem::take(&mut model.warnings));
+    model.warnings = warnings.into_sentences();
+    Ok(model)
+}
+
+fn load_whole(path: &Path, options: &LoadOptions) -> Result<Model, ModelError> {
     let name = escaped(&path.display().to_string());
     let fault = |message: String| Fault::whole(message).of(&name);
     let format = Format::of_path(path);
@@ -77,23 +89,32 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Model, ModelError> {
 }
 
 fn load_libraries(model: &mut MeshFile, folder: &Path, options: &LoadOptions) {
-    let mut library = Vec::new();
+    let mut lookup = Lookup::new(folder, options.allow_outside);
+    let (mut library, mut warnings) = (Vec::new(), Vec::new());
     for name in model.libraries.iter().take(MOST_LIBRARIES) {
-        let shown = escaped(name);
-        let Some(path) = path_near(folder, name, options) else {
-            model.warnings.push(format!("the material library `{shown}` is not read: it is not inside the folder"));
-            continue;
-        };
-        let materials = read(&path, MOST_LIBRARY_BYTES)
-            .map_err(|message| format!("the material library `{shown}` {message}"))
-            .and_then(|bytes| parse_mtl(&bytes, &shown).map_err(|error| error.to_string()));
-        match materials {
+        match load_library(name, &mut lookup, &mut warnings) {
             Ok(materials) => library.extend(materials),
-            Err(message) => model.warnings.push(message),
+            Err(message) => warnings.push(format!("the material library {} {message}", quoted(name.as_bytes()))),
         }
     }
     let missing = model.materials.len() - model.apply_library(&library);
     if missing > 0 {
-        model.warnings.push(format!("{missing} materials are named but in no material library"));
+        warnings.push(format!("{missing} materials are named but in no material library"));
     }
+    model.warnings.extend(warnings);
+}
+
+fn load_library(name: &str, lookup: &mut Lookup<'_>, warnings: &mut Vec<String>) -> Result<Vec<MtlMaterial>, String> {
+    let Found { path, instead } = lookup.find(&[""], name).map_err(|refusal| refusal.to_string())?;
+    let shown = quoted(name.as_bytes());
+    if let Some(instead) = &instead {
+        let instead = quoted(instead.as_bytes());
+        warnings.push(format!("the material library {shown} is not there: {instead} is read instead"));
+    }
+    let name = instead.unwrap_or_else(|| name.replace('\\', "/"));
+    let library = parse_mtl(&read(&path, MOST_LIBRARY_BYTES)?, &escaped(&name));
+    warnings.extend(library.warnings);
+    let folder = &name[..name.rfind('/').map_or(0, |slash| slash + 1)];
+    let beside = |material| MtlMaterial { folder: folder.to_string(), ..material };
+    Ok(library.materials.into_iter().map(beside).collect())
 }

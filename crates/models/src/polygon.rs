@@ -1,5 +1,10 @@
-//! Triangulation of polygons: fans for convex ones, ears for the others.
+//! Triangulation of polygons: fans for convex ones, ears for small ones, a sweep for the others.
 
+mod monotone;
+
+/// Most corners of a polygon whose ears are cut off without asking whether it can be swept: to cut them takes time with the
+/// square of their number and more.
+const MOST_EARS: usize = 64;
 /// Most point tests per file; a file made to need more gets fans for the rest.
 const MOST_TESTS: u64 = 1 << 29;
 
@@ -24,18 +29,29 @@ impl Triangulator {
         self.ring.extend(0..corners.len());
         if corners.len() > 3 {
             flatten(corners.len(), position, &mut self.flat);
-            self.cut_ears(corners, triangles);
+            self.cut(corners, triangles);
         }
         for pair in self.ring.get(1..).unwrap_or_default().windows(2) {
             triangles.push([self.ring[0], pair[0], pair[1]].map(|corner| corners[corner]));
         }
     }
 
-    /// Cuts ears off until the rest of the ring is convex, hopeless or over budget: then a fan has to do.
-    fn cut_ears(&mut self, corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
+    /// Cuts the polygon as far as a fan does not do for what is left of the ring.
+    fn cut(&mut self, corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
         if self.is_convex() {
             return;
         }
+        let is_large = corners.len() > MOST_EARS;
+        if let Some(cut) = is_large.then(|| monotone::triangles(&self.flat)).flatten() {
+            self.ring.clear();
+            triangles.extend(cut.into_iter().map(|triangle| triangle.map(|corner| corners[corner])));
+        } else {
+            self.cut_ears(corners, triangles);
+        }
+    }
+
+    /// Cuts ears off until the rest of the ring is a triangle, hopeless or over budget: then a fan has to do.
+    fn cut_ears(&mut self, corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
         let (mut at, mut failures) = (0, 0);
         while self.ring.len() > 3 && failures < self.ring.len() {
             let count = self.ring.len();

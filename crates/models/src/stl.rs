@@ -9,136 +9,208 @@ use foldhash::HashMap;
 use crate::error::{Fault, ModelError, Place};
 use crate::mesh::{Mesh, MeshFile, Part};
 use crate::polygon::Triangulator;
-use crate::text::{Words, quoted};
+use crate::text::{Words, quoted, unmarked};
+use crate::warnings::Warnings;
 
 const HEADER_BYTES: usize = 84;
 const FACET_BYTES: usize = 50;
 /// Bytes within which an ascii file has its first facet.
 const ASCII_PROBE_BYTES: usize = 4096;
+/// Words after `facet` that are its normal, in whatever form: `normal` and three numbers.
+const MOST_NORMAL_WORDS: u32 = 4;
+/// Largest coordinate that is taken for one where the length of a binary file does not say that it is an STL at all.
+const LARGEST_PLAUSIBLE: f32 = 1e18;
 
 /// Reads an STL file; `name` stands for the file in messages. Vertices at the same place become one.
 ///
 /// # Errors
 /// When the bytes are not a valid STL file.
 pub fn parse_stl(bytes: &[u8], name: &str) -> Result<MeshFile, ModelError> {
-    let mut warnings = Vec::new();
+    let mut warnings = Warnings::default();
     let (mesh, degenerate) = read(bytes, &mut warnings).map_err(|fault| fault.of(name))?;
-    MeshFile::cleaned(mesh, warnings, degenerate).map_err(|fault| fault.of(name))
+    MeshFile::cleaned(mesh, warnings.into_sentences(), degenerate).map_err(|fault| fault.of(name))
 }
 
 /// Reads a binary or ascii file. A length that fits the declared count decides for binary, because binary headers may
 /// begin with "solid", too. No ascii file can fit: four characters of text in the place of the count declare more than
 /// 25 GB.
-fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<(Mesh, usize), Fault> {
-    let declared = binary_length(bytes);
-    if declared == Some(bytes.len() as u64) {
-        return Ok((binary(bytes), 0));
+fn read(bytes: &[u8], warnings: &mut Warnings) -> Result<(Mesh, usize), Fault> {
+    let facets = facets(bytes);
+    if let Some(facets) = facets.filter(|facets| facets.are_all_there()) {
+        return Ok((binary(facets.bytes), 0));
     }
-    if is_ascii(bytes) {
-        return ascii(bytes);
+    let text = unmarked(bytes);
+    if is_ascii(&text) {
+        return ascii(&text, warnings);
     }
-    match declared {
-        Some(declared) if declared < bytes.len() as u64 => {
-            let extra = bytes.len() as u64 - declared;
-            warnings.push(format!("{extra} bytes after the last facet are not read"));
-            Ok((binary(bytes), 0))
-        }
-        Some(declared) => {
-            let count = (declared - HEADER_BYTES as u64) / FACET_BYTES as u64;
-            let message = format!(
-                "a binary STL with {count} facets has {declared} bytes: this file has {}; an ascii one begins with \
-                 `solid`",
-                bytes.len()
-            );
-            Err(Fault::new(Place::Byte(80), message))
-        }
-        None => Err(Fault::whole("is not an STL: an ascii one begins with `solid`, a binary one has 84 bytes or more")),
+    let message = "is not an STL: an ascii one begins with `solid`, a binary one has 84 bytes or more";
+    let facets = facets.ok_or_else(|| Fault::whole(message))?;
+    if facets.declared <= facets.there() && (facets.declared > 0 || facets.there() == 0) {
+        let extra = facets.bytes.len() as u64 - facets.declared * FACET_BYTES as u64;
+        warnings.push(format!("{extra} bytes after the last facet are not read"));
+        return Ok((binary(&facets.bytes[..facets.bytes.len() - extra as usize]), 0));
+    }
+    if facets.are_plausible() {
+        let Facets { declared, .. } = facets;
+        warnings.push(format!("{declared} facets are declared: the {} that are there are read", facets.there()));
+        return Ok((binary(facets.bytes), 0));
+    }
+    let message = format!(
+        "a binary STL with {} facets has {} bytes: this file has {}; an ascii one begins with `solid`",
+        facets.declared,
+        HEADER_BYTES as u64 + facets.declared * FACET_BYTES as u64,
+        bytes.len()
+    );
+    Err(Fault::new(Place::Byte(80), message))
+}
+
+/// Body of a binary file.
+#[derive(Clone, Copy)]
+struct Facets<'a> {
+    declared: u64,
+    bytes: &'a [u8],
+}
+
+fn facets(bytes: &[u8]) -> Option<Facets<'_>> {
+    let (header, bytes) = bytes.split_at_checked(HEADER_BYTES)?;
+    let declared = u64::from(u32::from_le_bytes(*header.last_chunk()?));
+    Some(Facets { declared, bytes })
+}
+
+impl Facets<'_> {
+    /// Number of facets for which there are bytes.
+    fn there(&self) -> u64 {
+        (self.bytes.len() / FACET_BYTES) as u64
+    }
+
+    fn are_all_there(&self) -> bool {
+        self.declared * FACET_BYTES as u64 == self.bytes.len() as u64
+    }
+
+    /// Whether there are facets, and all their coordinates are numbers of a size that coordinates have. Whatever is not an
+    /// STL soon has others.
+    fn are_plausible(&self) -> bool {
+        let coordinates = self.bytes.chunks_exact(FACET_BYTES).flat_map(corners).flatten();
+        let is_text = self.bytes.iter().all(|byte| *byte >= b'\t');
+        self.there() > 0 && !is_text && coordinates.into_iter().all(|x| x.abs() <= LARGEST_PLAUSIBLE)
     }
 }
 
-/// Length in bytes of a binary file with this header.
-fn binary_length(bytes: &[u8]) -> Option<u64> {
-    let count = bytes.get(80..HEADER_BYTES)?.first_chunk()?;
-    Some(HEADER_BYTES as u64 + FACET_BYTES as u64 * u64::from(u32::from_le_bytes(*count)))
-}
-
-fn is_ascii(bytes: &[u8]) -> bool {
-    let probe = bytes[..bytes.len().min(ASCII_PROBE_BYTES)].trim_ascii_start().to_ascii_lowercase();
+/// Whether it is a text with the words of an STL. Some begin with a comment, and some lack `solid`.
+fn is_ascii(text: &[u8]) -> bool {
+    let probe = text[..text.len().min(ASCII_PROBE_BYTES)].to_ascii_lowercase();
     let has = |word: &[u8]| probe.windows(word.len()).any(|window| window == word);
-    probe.starts_with(b"solid") && !probe.contains(&0) && (has(b"facet") || has(b"endsolid"))
+    let is_empty_solid = || probe.trim_ascii_start().starts_with(b"solid") && has(b"endsolid");
+    !probe.contains(&0) && (has(b"facet") && (has(b"solid") || has(b"vertex")) || is_empty_solid())
 }
 
-/// All facets that the header declares, which the caller has found to be there.
+/// The whole facets of a body.
 fn binary(bytes: &[u8]) -> Mesh {
-    let count = binary_length(bytes).unwrap_or(0).saturating_sub(HEADER_BYTES as u64) / FACET_BYTES as u64;
-    let facets = bytes[HEADER_BYTES..].chunks_exact(FACET_BYTES).take(usize::try_from(count).unwrap_or(usize::MAX));
+    let facets = bytes.chunks_exact(FACET_BYTES);
     let mut welder = Welder::default();
     let mut triangles = Vec::with_capacity(facets.len());
-    for facet in facets {
-        let (numbers, _) = facet[12..48].as_chunks::<4>();
-        let corner = |first: usize| [0, 1, 2].map(|axis| f32::from_le_bytes(numbers[first + axis]));
-        triangles.push([0, 3, 6].map(|first| welder.vertex(corner(first))));
-    }
+    triangles.extend(facets.map(|facet| corners(facet).map(|corner| welder.vertex(corner))));
     let parts = vec![Part { name: "".into(), material: None, triangles: 0..triangles.len() }];
     Mesh { positions: welder.positions, triangles, parts, ..Mesh::default() }
 }
 
-fn ascii(bytes: &[u8]) -> Result<(Mesh, usize), Fault> {
+/// The corners of a facet of a binary file.
+fn corners(facet: &[u8]) -> [[f32; 3]; 3] {
+    let (numbers, _) = facet[12..48].as_chunks::<4>();
+    [0, 3, 6].map(|first| [0, 1, 2].map(|axis| f32::from_le_bytes(numbers[first + axis])))
+}
+
+/// Reads solids for as long as there are some. What the words mean is plain whatever is missing around them: a file may
+/// lack `endsolid`, and be cut off.
+fn ascii(bytes: &[u8], warnings: &mut Warnings) -> Result<(Mesh, usize), Fault> {
+    let mut solids = Solids::default();
     let mut words = Words::new(bytes, 0, 1);
-    let (mut welder, mut triangulator) = (Welder::default(), Triangulator::new());
-    let mut mesh = Mesh::default();
-    let (mut corners, mut degenerate) = (Vec::new(), 0);
+    let mut normal_words = 0;
     while let Some(word) = words.next() {
-        expect(&words, Some(word), "solid")?;
-        let name: Arc<str> = String::from_utf8_lossy(words.rest_of_line()).into();
-        let start = mesh.triangles.len();
-        while is_facet(&mut words)? {
-            facet(&mut words, &mut welder, &mut corners)?;
-            degenerate += usize::from(corners.len() < 3);
-            triangulator.add(&corners, |i| welder.positions[corners[i] as usize], &mut mesh.triangles);
+        match word.to_ascii_lowercase().as_slice() {
+            b"solid" => solids.begin(String::from_utf8_lossy(words.rest_of_line()).into()),
+            b"endsolid" => {
+                words.rest_of_line();
+                solids.end();
+            }
+            b"facet" => {
+                solids.facet();
+                normal_words = MOST_NORMAL_WORDS;
+            }
+            b"outer" | b"loop" => normal_words = 0,
+            // A vertex at which the file is cut off is none.
+            b"vertex" => match [words.number(), words.number(), words.number()] {
+                _ if words.bytes_left() == 0 => break,
+                [x, y, z] => solids.vertex([x? as f32, y? as f32, z? as f32]),
+            },
+            b"endloop" | b"endfacet" => solids.facet(),
+            [b'#' | b';' | b'!', ..] | [b'/', b'/', ..] => drop(words.rest_of_line()),
+            _ if normal_words > 0 => normal_words -= 1,
+            _ => {
+                words.rest_of_line();
+                let Place::Line(line) = words.place() else { continue };
+                warnings.push(format!("line {line}: {} is not a word of STL: the line is passed over", quoted(word)));
+            }
         }
-        words.rest_of_line();
-        mesh.parts.push(Part { name, material: None, triangles: start..mesh.triangles.len() });
     }
+    if !solids.corners.is_empty() {
+        solids.facet();
+        warnings.push("the file ends within a facet, of which the corners that are there are read");
+    }
+    if solids.is_open {
+        warnings.push("the file ends without `endsolid`");
+    }
+    solids.end();
+    let Solids { mut mesh, welder, degenerate, .. } = solids;
     mesh.positions = welder.positions;
     Ok((mesh, degenerate))
 }
 
-/// Whether a facet follows, or the end of the solid.
-fn is_facet(words: &mut Words<'_>) -> Result<bool, Fault> {
-    match words.next() {
-        Some(word) if word.eq_ignore_ascii_case(b"facet") => Ok(true),
-        Some(word) if word.eq_ignore_ascii_case(b"endsolid") => Ok(false),
-        Some(word) => Err(words.fault(format!("{} should be `facet` or `endsolid`", quoted(word)))),
-        None => Err(words.fault("the file ends where `facet` or `endsolid` should be")),
-    }
+/// The solids of an ascii file.
+#[derive(Default)]
+struct Solids {
+    mesh: Mesh,
+    welder: Welder,
+    triangulator: Option<Triangulator>,
+    /// Corners of the facet at hand.
+    corners: Vec<u32>,
+    degenerate: usize,
+    name: Arc<str>,
+    is_open: bool,
 }
 
-fn facet(words: &mut Words<'_>, welder: &mut Welder, corners: &mut Vec<u32>) -> Result<(), Fault> {
-    // The words after `facet` are its normal, in whatever form.
-    words.rest_of_line();
-    for expected in ["outer", "loop"] {
-        let word = words.next();
-        expect(words, word, expected)?;
+impl Solids {
+    fn begin(&mut self, name: Arc<str>) {
+        self.end();
+        (self.name, self.is_open) = (name, true);
     }
-    corners.clear();
-    loop {
-        let word = words.next();
-        if word.is_some_and(|word| word.eq_ignore_ascii_case(b"endloop")) {
-            break;
+
+    fn vertex(&mut self, position: [f32; 3]) {
+        self.corners.push(self.welder.vertex(position));
+    }
+
+    /// Ends the facet at hand, which may have been ended before.
+    fn facet(&mut self) {
+        let Self { mesh, welder, corners, .. } = self;
+        if corners.is_empty() {
+            return;
         }
-        expect(words, word, "vertex")?;
-        corners.push(welder.vertex([words.number()?, words.number()?, words.number()?].map(|x| x as f32)));
+        self.degenerate += usize::from(corners.len() < 3);
+        let triangulator = self.triangulator.get_or_insert_with(Triangulator::new);
+        triangulator.add(corners, |i| welder.positions[corners[i] as usize], &mut mesh.triangles);
+        corners.clear();
     }
-    let word = words.next();
-    expect(words, word, "endfacet")
-}
 
-fn expect(words: &Words<'_>, word: Option<&[u8]>, expected: &str) -> Result<(), Fault> {
-    match word {
-        Some(word) if word.eq_ignore_ascii_case(expected.as_bytes()) => Ok(()),
-        Some(word) => Err(words.fault(format!("{} should be `{expected}`", quoted(word)))),
-        None => Err(words.fault(format!("the file ends where `{expected}` should be"))),
+    /// Ends the solid at hand, if there is one or facets are in none.
+    fn end(&mut self) {
+        self.facet();
+        let start = self.mesh.parts.last().map_or(0, |part| part.triangles.end);
+        let triangles = start..self.mesh.triangles.len();
+        if self.is_open || !triangles.is_empty() {
+            let name = std::mem::take(&mut self.name);
+            self.mesh.parts.push(Part { name, material: None, triangles });
+        }
+        self.is_open = false;
     }
 }
 

@@ -1,9 +1,38 @@
 //! Words and numbers of text formats, read from bytes that need not be UTF-8.
 
+use std::borrow::Cow;
+
 use crate::error::{Fault, Place};
 
 /// Most characters of a file's own words that are repeated in a message.
 const MOST_QUOTED_CHARS: usize = 40;
+
+/// The text without its byte order mark; UTF-16, which always has one where it is saved as a text, becomes UTF-8.
+pub(crate) fn unmarked(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let utf8 = |unit: fn([u8; 2]) -> u16| {
+        let units = bytes[2..].as_chunks::<2>().0.iter().map(|pair| unit(*pair));
+        let characters = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER));
+        Cow::Owned(characters.collect::<String>().into_bytes())
+    };
+    match bytes {
+        [0xef, 0xbb, 0xbf, text @ ..] => Cow::Borrowed(text),
+        [0xff, 0xfe, ..] => utf8(u16::from_le_bytes),
+        [0xfe, 0xff, ..] => utf8(u16::from_be_bytes),
+        _ => Cow::Borrowed(bytes),
+    }
+}
+
+/// Length of the first line of a text, and of the text up to the next line: lines end with a line feed, a carriage
+/// return or both.
+pub(crate) fn first_line(text: &[u8]) -> (usize, usize) {
+    let length = text.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(text.len());
+    let ending = match text[length..] {
+        [] => 0,
+        [b'\r', b'\n', ..] => 2,
+        _ => 1,
+    };
+    (length, length + ending)
+}
 
 /// The words of a text, one after the other, and the line each stands on.
 pub(crate) struct Words<'a> {
@@ -21,13 +50,13 @@ impl<'a> Words<'a> {
     /// The next word, or `None` at the end.
     pub(crate) fn next(&mut self) -> Option<&'a [u8]> {
         let rest = self.bytes.get(self.position..)?;
-        let blank = rest.iter().take_while(|byte| byte.is_ascii_whitespace());
-        let mut skipped = 0;
-        for byte in blank {
-            skipped += 1;
-            self.line += usize::from(*byte == b'\n');
-        }
-        let rest = &rest[skipped..];
+        let skipped = rest.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(rest.len());
+        let (blank, rest) = rest.split_at(skipped);
+        let ends_line = |i: usize| match blank[i] {
+            b'\n' => true,
+            byte => byte == b'\r' && blank.get(i + 1) != Some(&b'\n'),
+        };
+        self.line += (0..skipped).filter(|i| ends_line(*i)).count();
         let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
         self.position += skipped + length;
         (length > 0).then(|| &rest[..length])
@@ -36,7 +65,7 @@ impl<'a> Words<'a> {
     /// Rest of the current line, without blanks around it.
     pub(crate) fn rest_of_line(&mut self) -> &'a [u8] {
         let rest = self.bytes.get(self.position..).unwrap_or_default();
-        let length = rest.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(rest.len());
+        let (length, _) = first_line(rest);
         self.position += length;
         rest[..length].trim_ascii()
     }

@@ -2,18 +2,26 @@
 
 use std::borrow::Cow;
 
-type Split<'a> = std::slice::Split<'a, u8, fn(&u8) -> bool>;
+use crate::text::first_line;
 
 /// Yields the number (from 1) and the text of each line that is not blank.
 pub(crate) struct Lines<'a> {
-    lines: std::iter::Enumerate<Split<'a>>,
+    rest: &'a [u8],
+    number: usize,
 }
 
 impl<'a> Lines<'a> {
-    pub(crate) fn new(bytes: &'a [u8]) -> Self {
-        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        let ends_line: fn(&u8) -> bool = |byte| *byte == b'\n';
-        Self { lines: bytes.split(ends_line).enumerate() }
+    /// Lines of a text without a byte order mark.
+    pub(crate) fn new(text: &'a [u8]) -> Self {
+        Self { rest: text, number: 0 }
+    }
+
+    fn line(&mut self) -> Option<&'a [u8]> {
+        let (length, end) = first_line(self.rest);
+        let line = &self.rest[..length];
+        self.rest = &self.rest[end..];
+        self.number += 1;
+        (end > 0).then(|| line.trim_ascii())
     }
 }
 
@@ -22,26 +30,39 @@ impl<'a> Iterator for Lines<'a> {
 
     fn next(&mut self) -> Option<Self::Item> {
         loop {
-            let (index, first) = self.lines.next()?;
-            let first = without_comment(first);
-            let mut text = Cow::Borrowed(first);
-            let mut last = first;
+            let first = self.line()?;
+            let number = self.number;
+            let is_named = takes_name(keyword(first).0);
+            let without_comment = |line: &'a [u8]| if is_named { line } else { without_comment(line) };
+            let mut last = without_comment(first);
+            let mut text = Cow::Borrowed(last);
             while let Some(begun) = last.strip_suffix(b"\\") {
                 let kept = text.len() - (last.len() - begun.len());
                 text.to_mut().truncate(kept);
-                last = self.lines.next().map(|(_, line)| without_comment(line)).unwrap_or_default();
+                last = self.line().map(without_comment).unwrap_or_default();
                 text.to_mut().push(b' ');
                 text.to_mut().extend_from_slice(last);
             }
             if !text.is_empty() {
-                return Some((index + 1, text));
+                return Some((number, text));
             }
         }
     }
 }
 
+/// Whether what follows the keyword is a name, in which `#` is a character as any other: Blender writes `Color_#1`.
+fn takes_name(keyword: &[u8]) -> bool {
+    const NAMED: [&[u8]; 12] = [
+        b"o", b"g", b"usemtl", b"newmtl", b"mtllib", b"usemap", b"maplib", b"bump", b"disp", b"decal", b"refl", b"norm",
+    ];
+    let is_map = keyword.get(..4).is_some_and(|start| start.eq_ignore_ascii_case(b"map_"));
+    is_map || NAMED.iter().any(|name| keyword.eq_ignore_ascii_case(name))
+}
+
+/// The line up to its comment. The `#` of `1.#IND` and its like, by which C libraries mean what is not a number, begins none.
 fn without_comment(line: &[u8]) -> &[u8] {
-    let length = line.iter().position(|byte| *byte == b'#').unwrap_or(line.len());
+    let mut signs = line.iter().enumerate().filter(|(_, byte)| **byte == b'#').map(|(at, _)| at);
+    let length = signs.find(|at| !line[..*at].ends_with(b"1.")).unwrap_or(line.len());
     line[..length].trim_ascii()
 }
 

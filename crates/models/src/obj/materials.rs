@@ -3,8 +3,8 @@
 //! MTL describes a picture more than a surface, and programs have written it with several meanings. Ours: colours are
 //! linear; a texture multiplies the colour beside it, and counts alone where that colour is black, because exporters
 //! write it so; `Ks` of 0.5 is what a refractive index of 1.5 reflects, as Blender has it, and a material without `Ks`
-//! is diffuse; `Ns` is the exponent of a Blinn-Phong highlight. The extensions Pr, Pm, Pc, Pcr, aniso, anisor and norm
-//! have the principled material's own meaning.
+//! is diffuse; `Ns` is the exponent of a Blinn-Phong highlight; bump maps are heights in texels, times `-bm`. The
+//! extensions Pr, Pm, Pc, Pcr, aniso, anisor and norm have the principled material's own meaning.
 
 use std::f32::consts::TAU;
 
@@ -12,6 +12,7 @@ use super::mtl::{MtlMap, MtlMaterial};
 use super::textures::Textures;
 use crate::material::{AlphaMode, Principled, Texture};
 use crate::model::Material;
+use crate::text::quoted;
 
 /// Colour of materials that give none.
 const GREY: [f32; 3] = [0.8; 3];
@@ -25,10 +26,34 @@ const REFRACTING: [f32; 4] = [4.0, 6.0, 7.0, 9.0];
 /// Translates all materials; what gets lost is told to `textures`.
 pub(crate) fn translate(materials: &[MtlMaterial], textures: &mut Textures<'_>) -> Vec<Material> {
     let translate = |mtl: &MtlMaterial| Material { name: mtl.name.clone(), surface: surface(mtl, textures) };
-    materials.iter().map(translate).collect()
+    let mut translated: Vec<_> = materials.iter().map(translate).collect();
+    show(materials, &mut translated, textures);
+    translated
+}
+
+/// Tells of materials that cannot be seen. Where there are no others and `Tr` says so, it has been written with the meaning
+/// of `d`, as MeshLab does: they are opaque then.
+fn show(materials: &[MtlMaterial], translated: &mut [Material], textures: &mut Textures<'_>) {
+    let is_invisible = |material: &Material| material.surface.alpha == 0.0;
+    let by_tr = materials.iter().all(|mtl| mtl.opacity_by_tr);
+    if !translated.is_empty() && by_tr && translated.iter().all(is_invisible) {
+        for material in translated {
+            (material.surface.alpha, material.surface.alpha_mode) = (1.0, AlphaMode::Opaque);
+        }
+        textures.warn(
+            "by `Tr 1` all materials would be invisible: they are taken for opaque, which some programs mean by it",
+        );
+        return;
+    }
+    for (mtl, _) in materials.iter().zip(translated.iter()).filter(|(_, material)| is_invisible(material)) {
+        let line = if mtl.opacity_by_tr { "Tr 1" } else { "d 0" };
+        let name = quoted(mtl.name.as_bytes());
+        textures.warn(&format!("the material {name} cannot be seen: by `{line}` it is wholly transparent"));
+    }
 }
 
 fn surface(mtl: &MtlMaterial, textures: &mut Textures<'_>) -> Principled {
+    textures.look_beside(&mtl.folder);
     let mut surface = Principled {
         metallic: unit(mtl.metallic.unwrap_or(0.0)),
         clearcoat: unit(mtl.clearcoat.unwrap_or(0.0)),
@@ -42,13 +67,7 @@ fn surface(mtl: &MtlMaterial, textures: &mut Textures<'_>) -> Principled {
     set_reflection(&mut surface, mtl, textures);
     set_transmission(&mut surface, mtl);
     set_emission(&mut surface, mtl, textures);
-    if let Some(map) = &mtl.normal_map {
-        surface.normal_texture = textures.load(map);
-        surface.normal_scale = map.multiplier;
-    }
-    if mtl.bump_map.is_some() {
-        textures.warn("bump maps are not used: a normal map, `norm`, is");
-    }
+    set_normals(&mut surface, mtl, textures);
     for keyword in &mtl.unread {
         textures.warn(&format!("the lines {keyword} of materials are not used"));
     }
@@ -113,6 +132,20 @@ fn set_transmission(surface: &mut Principled, mtl: &MtlMaterial) {
     }
     if mtl.roughness.is_none() && mtl.shininess.is_none() {
         surface.roughness = 0.0;
+    }
+}
+
+fn set_normals(surface: &mut Principled, mtl: &MtlMaterial, textures: &mut Textures<'_>) {
+    surface.normal_texture = match (&mtl.normal_map, &mtl.bump_map) {
+        (Some(map), _) => textures.load(map),
+        (None, Some(map)) => textures.bump(map),
+        (None, None) => None,
+    };
+    if let Some(map) = mtl.normal_map.as_ref().or(mtl.bump_map.as_ref()) {
+        surface.normal_scale = map.multiplier;
+    }
+    if mtl.normal_map.is_some() && mtl.bump_map.is_some() {
+        textures.warn("bump maps are not used beside a normal map, `norm`");
     }
 }
 

@@ -1,17 +1,29 @@
 //! MTL, the material libraries of OBJ, as plain data.
 
 use super::lines::{Lines, keyword, words};
-use crate::error::{Fault, ModelError};
-use crate::text::{number, quoted};
+use super::lookup::unquoted;
+use crate::text::{number, quoted, unmarked};
+use crate::warnings::Warnings;
 
 /// Most unknown keywords of a material that are told.
 const MOST_UNREAD: usize = 16;
+
+/// Contents of a material library.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MtlLibrary {
+    /// Materials in the order of the file.
+    pub materials: Vec<MtlMaterial>,
+    /// Warnings for the user, one sentence each, with the file's name.
+    pub warnings: Vec<String>,
+}
 
 /// A material of a library; `None` where the library is silent.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MtlMaterial {
     /// Name of the material, as `usemtl` gives it.
     pub name: String,
+    /// Folder of the library as the OBJ names it, with a slash at its end; empty for the OBJ's own folder.
+    pub folder: String,
     /// Diffuse colour (Kd).
     pub diffuse: Option<[f32; 3]>,
     /// Specular colour (Ks).
@@ -24,6 +36,8 @@ pub struct MtlMaterial {
     pub shininess: Option<f32>,
     /// Opacity (d, or one minus Tr).
     pub opacity: Option<f32>,
+    /// Whether the opacity is one minus Tr, which some programs write with the meaning of d.
+    pub opacity_by_tr: bool,
     /// Refractive index (Ni).
     pub refractive_index: Option<f32>,
     /// Illumination model (illum).
@@ -75,21 +89,22 @@ pub struct MtlMap {
     pub multiplier: f32,
 }
 
-/// Reads a material library; `name` stands for the file in messages. Unknown lines are passed over.
-///
-/// # Errors
-/// When a value is missing, or is not a finite number.
-pub fn parse_mtl(bytes: &[u8], name: &str) -> Result<Vec<MtlMaterial>, ModelError> {
-    let mut materials: Vec<MtlMaterial> = Vec::new();
-    for (line, text) in Lines::new(bytes) {
+/// Reads a material library; `name` stands for the file in warnings. Unknown lines are passed over, and so is, with a
+/// warning, one whose value is missing or not a finite number.
+pub fn parse_mtl(bytes: &[u8], name: &str) -> MtlLibrary {
+    let text = unmarked(bytes);
+    let (mut materials, mut warnings) = (Vec::<MtlMaterial>::new(), Warnings::default());
+    for (line, text) in Lines::new(&text) {
         let (key, rest) = keyword(&text);
-        if key == b"newmtl" {
+        if key.eq_ignore_ascii_case(b"newmtl") {
             materials.push(MtlMaterial { name: lossy(rest), ..MtlMaterial::default() });
-        } else if let Some(material) = materials.last_mut() {
-            set(material, key, rest).map_err(|message| Fault::line(line, message).of(name))?;
+        } else if let Some(material) = materials.last_mut()
+            && let Err(message) = set(material, key, rest)
+        {
+            warnings.push(format!("{name}:{line}: {message}: {} keeps its default", quoted(key)));
         }
     }
-    Ok(materials)
+    MtlLibrary { materials, warnings: warnings.into_sentences() }
 }
 
 pub(super) fn lossy(text: &[u8]) -> String {
@@ -103,9 +118,15 @@ fn set(material: &mut MtlMaterial, key: &[u8], rest: &[u8]) -> Result<(), String
         b"ke" => material.emission = color(rest)?,
         b"tf" => material.transmission = color(rest)?,
         b"ns" => material.shininess = Some(value(rest)?),
-        b"d" => material.opacity = Some(value(rest.strip_prefix(b"-halo").unwrap_or(rest))?),
+        b"d" => {
+            let opacity = value(rest.strip_prefix(b"-halo").unwrap_or(rest))?;
+            (material.opacity, material.opacity_by_tr) = (Some(opacity), false);
+        }
         // The value of `d` counts where both are given: `Tr` has been written with either meaning.
-        b"tr" => material.opacity = material.opacity.or(Some(1.0 - value(rest)?)),
+        b"tr" if material.opacity.is_none() || material.opacity_by_tr => {
+            (material.opacity, material.opacity_by_tr) = (Some(1.0 - value(rest)?), true);
+        }
+        b"tr" => {}
         b"ni" => material.refractive_index = Some(value(rest)?),
         b"illum" => material.illumination = Some(value(rest)?),
         b"pr" => material.roughness = Some(value(rest)?),
@@ -114,14 +135,14 @@ fn set(material: &mut MtlMaterial, key: &[u8], rest: &[u8]) -> Result<(), String
         b"pcr" => material.clearcoat_roughness = Some(value(rest)?),
         b"aniso" => material.anisotropy = Some(value(rest)?),
         b"anisor" => material.anisotropy_rotation = Some(value(rest)?),
-        b"map_kd" => material.diffuse_map = map(rest),
-        b"map_ks" => material.specular_map = map(rest),
-        b"map_ke" => material.emission_map = map(rest),
-        b"map_d" => material.opacity_map = map(rest),
-        b"map_pr" => material.roughness_map = map(rest),
-        b"map_pm" => material.metallic_map = map(rest),
-        b"norm" | b"map_kn" => material.normal_map = map(rest),
-        b"bump" | b"map_bump" => material.bump_map = map(rest),
+        b"map_kd" => map(rest, &mut material.diffuse_map)?,
+        b"map_ks" => map(rest, &mut material.specular_map)?,
+        b"map_ke" => map(rest, &mut material.emission_map)?,
+        b"map_d" => map(rest, &mut material.opacity_map)?,
+        b"map_pr" => map(rest, &mut material.roughness_map)?,
+        b"map_pm" => map(rest, &mut material.metallic_map)?,
+        b"norm" | b"map_kn" => map(rest, &mut material.normal_map)?,
+        b"bump" | b"map_bump" => map(rest, &mut material.bump_map)?,
         // Ambient reflection is for the light to say; the others are switches for renderers of old.
         b"ka" | b"map_ka" | b"sharpness" | b"map_aat" => {}
         _ => unread(material, key, rest),
@@ -159,9 +180,10 @@ fn unread(material: &mut MtlMaterial, key: &[u8], rest: &[u8]) {
     }
 }
 
-/// Texture of a line: options such as `-s 2 2 1`, then the name of the file, which may have blanks.
-fn map(mut rest: &[u8]) -> Option<MtlMap> {
-    let mut map = MtlMap::named(String::new());
+/// Reads the texture of a line: options such as `-s 2 2 1`, then the name of the file, which may have blanks. An option whose
+/// numbers are none keeps its default, and is told.
+fn map(mut rest: &[u8], into: &mut Option<MtlMap>) -> Result<(), String> {
+    let (mut map, mut told) = (MtlMap::named(String::new()), Ok(()));
     loop {
         let (option, after) = keyword(rest);
         let (least, most) = match option {
@@ -182,10 +204,11 @@ fn map(mut rest: &[u8]) -> Option<MtlMap> {
             values.push(word);
             rest = after;
         }
-        map.set(option, &values);
+        told = told.and(map.set(option, &values));
     }
-    map.file = lossy(rest);
-    (!rest.is_empty()).then_some(map)
+    map.file = lossy(unquoted(rest));
+    *into = (!map.file.is_empty()).then_some(map);
+    told
 }
 
 impl MtlMap {
@@ -194,15 +217,19 @@ impl MtlMap {
         Self { file, scale: [1.0; 2], offset: [0.0; 2], clamp: false, multiplier: 1.0 }
     }
 
-    /// Options that are no numbers where they should be, or are not known, change nothing.
-    fn set(&mut self, option: &[u8], values: &[&[u8]]) {
-        let value = |i: usize| values.get(i).and_then(|word| finite(word).ok());
+    /// Sets an option; those that are not known change nothing.
+    fn set(&mut self, option: &[u8], values: &[&[u8]]) -> Result<(), String> {
+        let value = |i: usize, default: f32| match values.get(i) {
+            Some(word) => finite(word).map_err(|message| format!("{message} behind {}", quoted(option))),
+            None => Ok(default),
+        };
         match option {
             b"-clamp" => self.clamp = values == [b"on"],
-            b"-bm" => self.multiplier = value(0).unwrap_or(self.multiplier),
-            b"-s" => self.scale = [value(0).unwrap_or(1.0), value(1).unwrap_or(1.0)],
-            b"-o" => self.offset = [value(0).unwrap_or(0.0), value(1).unwrap_or(0.0)],
+            b"-bm" => self.multiplier = value(0, 1.0)?,
+            b"-s" => self.scale = [value(0, 1.0)?, value(1, 1.0)?],
+            b"-o" => self.offset = [value(0, 0.0)?, value(1, 0.0)?],
             _ => {}
         }
+        Ok(())
     }
 }

@@ -4,21 +4,29 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use raggio_images::{Bitmap, Limits, Texels};
+use raggio_images::{Bitmap, Limits, Texels, decode};
 
+use super::bump::{holds_normals, normals_of_heights};
+use super::lookup::{Found, Lookup};
 use super::mtl::MtlMap;
 use super::pack::{Source, packed, packed_bytes};
-use crate::file::{LoadOptions, path_near};
+use crate::file::{LoadOptions, read};
 use crate::material::{Texture, Wrap};
 use crate::text::{escaped, quoted};
 
 /// The textures of one file, and what could not be made of its materials.
 pub(crate) struct Textures<'a> {
-    folder: &'a Path,
-    options: &'a LoadOptions,
+    lookup: Lookup<'a>,
+    /// Folder of the library at hand, as [`MtlMaterial::folder`](super::mtl::MtlMaterial::folder) has it.
+    folder: String,
     bytes_left: u64,
+    /// Paths of the images that are called so in a folder; `None` for those that are not found.
+    paths: HashMap<[String; 2], Option<PathBuf>>,
     /// Images by path; `None` for those that cannot be read.
     images: HashMap<PathBuf, Option<Arc<Bitmap>>>,
+    /// Normal maps by the height maps they are of and whether they are clamped; the places in memory stay, because `images`
+    /// keeps all images.
+    bumps: HashMap<(*const Bitmap, bool), Arc<Bitmap>>,
     /// Images put together, by use and sources; the places in memory stay, because `images` keeps all images.
     packed: HashMap<(Use, [*const Bitmap; 2]), Arc<Bitmap>>,
     warnings: Vec<String>,
@@ -33,9 +41,15 @@ enum Use {
 }
 
 impl<'a> Textures<'a> {
-    pub(crate) fn new(folder: &'a Path, options: &'a LoadOptions) -> Self {
-        let (images, packed, warnings, warned) = Default::default();
-        Self { folder, options, bytes_left: options.most_bytes, images, packed, warnings, warned }
+    pub(crate) fn new(folder: &'a Path, options: &LoadOptions) -> Self {
+        let lookup = Lookup::new(folder, options.allow_outside);
+        let (folder, paths, images, bumps, packed, warnings, warned) = Default::default();
+        Self { lookup, folder, bytes_left: options.most_bytes, paths, images, bumps, packed, warnings, warned }
+    }
+
+    /// Says in which folder the next textures are looked for first: that of their library.
+    pub(crate) fn look_beside(&mut self, folder: &str) {
+        self.folder = folder.to_string();
     }
 
     /// Keeps a sentence for the user, once.
@@ -51,10 +65,15 @@ impl<'a> Textures<'a> {
 
     /// The texture, or a warning where it cannot be read.
     pub(crate) fn load(&mut self, map: &MtlMap) -> Option<Texture> {
-        let Some(path) = path_near(self.folder, &map.file, self.options) else {
-            self.warn(&format!("the texture {} is not read: it is not inside the folder", quoted(map.file.as_bytes())));
-            return None;
-        };
+        let key = [self.folder.clone(), map.file.clone()];
+        let path = match self.paths.get(&key) {
+            Some(path) => path.clone(),
+            None => {
+                let path = self.find(&map.file);
+                self.paths.insert(key, path.clone());
+                path
+            }
+        }?;
         let image = match self.images.get(&path) {
             Some(image) => image.clone(),
             None => {
@@ -67,18 +86,72 @@ impl<'a> Textures<'a> {
         Some(Texture { transform: transform(map), wrap: [wrap; 2], ..Texture::new(image?) })
     }
 
+    fn find(&mut self, name: &str) -> Option<PathBuf> {
+        let shown = quoted(name.as_bytes());
+        // Most files mean a place beside the library, some one beside the object.
+        let beside = [self.folder.as_str(), ""];
+        let beside = if self.folder.is_empty() { &beside[1..] } else { &beside };
+        match self.lookup.find(beside, name) {
+            Ok(Found { path, instead }) => {
+                if let Some(instead) = instead {
+                    let instead = quoted(instead.as_bytes());
+                    self.warn(&format!("the texture {shown} is not there: {instead} is read instead"));
+                }
+                Some(path)
+            }
+            Err(refusal) => {
+                self.warn(&format!("the texture {shown} is not used: it {refusal}"));
+                None
+            }
+        }
+    }
+
     fn read(&mut self, path: &Path, name: &str) -> Option<Arc<Bitmap>> {
         let limits = Limits { most_bytes: self.bytes_left, ..Limits::default() };
-        match raggio_images::load(path, &limits) {
+        let bitmap = read(path, self.bytes_left)
+            .and_then(|bytes| decode(&bytes, &limits).map_err(|error| error.problem.to_string()));
+        match bitmap {
             Ok(bitmap) => {
                 self.bytes_left = self.bytes_left.saturating_sub(texel_bytes(&bitmap));
                 Some(Arc::new(bitmap))
             }
-            Err(error) => {
-                self.warn(&format!("the texture {} is not used: it {}", quoted(name.as_bytes()), error.problem));
+            Err(problem) => {
+                self.warn(&format!("the texture {} is not used: it {problem}", quoted(name.as_bytes())));
                 None
             }
         }
+    }
+
+    /// The normal map that a bump map stands for. Programs that know nothing but normal maps write those as bump maps.
+    pub(crate) fn bump(&mut self, map: &MtlMap) -> Option<Texture> {
+        let texture = self.load(map)?;
+        if holds_normals(&texture.image) {
+            let name = quoted(map.file.as_bytes());
+            self.warn(&format!("the bump map {name} is read as a normal map: it holds normals, not heights"));
+            return Some(texture);
+        }
+        let key = (Arc::as_ptr(&texture.image), map.clamp);
+        let image = match self.bumps.get(&key) {
+            Some(image) => Arc::clone(image),
+            None => {
+                let bytes = 8 * texture.image.texels.len() as u64;
+                self.take_bytes(bytes, "a bump map is not used: its normals take more memory than is allowed")?;
+                let image = Arc::new(normals_of_heights(&texture.image, map.clamp));
+                self.bumps.insert(key, Arc::clone(&image));
+                image
+            }
+        };
+        Some(Texture { image, ..texture })
+    }
+
+    /// Takes bytes of a new image from those that are left, if they are.
+    fn take_bytes(&mut self, bytes: u64, otherwise: &str) -> Option<()> {
+        let left = self.bytes_left.checked_sub(bytes);
+        match left {
+            Some(left) => self.bytes_left = left,
+            None => self.warn(otherwise),
+        }
+        left.map(drop)
     }
 
     /// The colours of one texture with the coverage of another: its alpha where it has one, or else its red.
@@ -119,11 +192,8 @@ impl<'a> Textures<'a> {
             return Some(Arc::clone(image));
         }
         // A wide image and a high one need more together than both of them.
-        let Some(bytes_left) = self.bytes_left.checked_sub(packed_bytes(&sources)) else {
-            self.warn("textures are left out: put together they take more memory than is allowed");
-            return None;
-        };
-        self.bytes_left = bytes_left;
+        let otherwise = "textures are left out: put together they take more memory than is allowed";
+        self.take_bytes(packed_bytes(&sources), otherwise)?;
         let image = Arc::new(packed(sources));
         self.packed.insert(key, Arc::clone(&image));
         Some(image)

@@ -107,6 +107,11 @@ impl<'a> Body<'a> {
         }
     }
 
+    /// A part of a colour, full strength being 1.
+    pub(super) fn strength(&mut self, scalar: Scalar) -> Result<f32, Fault> {
+        Ok((self.number(scalar)? / scalar.full()) as f32)
+    }
+
     fn take(&mut self, count: usize) -> Result<&'a [u8], Fault> {
         let rest = &self.bytes[self.position..];
         let taken = rest.get(..count).ok_or_else(|| {

@@ -7,9 +7,10 @@ mod header;
 use crate::color::make_linear;
 use crate::error::{Fault, ModelError};
 use crate::mesh::{Mesh, MeshFile, Part};
+use crate::obj::lookup::unquoted;
 use crate::obj::mtl::{MtlMap, MtlMaterial};
 use crate::polygon::Triangulator;
-use crate::text::quoted;
+use crate::text::{quoted, unmarked};
 use body::Body;
 use header::{Element, Header, Property};
 
@@ -20,13 +21,14 @@ const UV: [usize; 2] = [6, 8];
 const COLOR: usize = 10;
 const ALPHA: usize = 13;
 
-/// Reads a PLY file; `name` stands for the file in messages. Colours of vertices that are whole numbers are taken for sRGB,
-/// as programs write them, and made linear; those that are floating-point numbers are taken for linear.
+/// Reads a PLY file; `name` stands for the file in messages. Colours that are whole numbers are taken for sRGB, as programs
+/// write them, and made linear; those that are floating-point numbers are taken for linear. The colours of vertices count
+/// where faces have colours, too, as in MeshLab and Blender.
 ///
 /// # Errors
 /// When the bytes are not a valid PLY file, or it has no vertices.
 pub fn parse_ply(bytes: &[u8], name: &str) -> Result<MeshFile, ModelError> {
-    read(bytes).map_err(|fault| fault.of(name))
+    read(&unmarked(bytes)).map_err(|fault| fault.of(name))
 }
 
 /// Polygons of any number of corners, one behind the other.
@@ -37,6 +39,8 @@ struct Polygons {
     ends: Vec<usize>,
     /// Texture coordinates of corners, if faces have some: as long as `corners` then.
     uvs: Option<Vec<[f32; 2]>>,
+    /// Colours of polygons, if faces have some: as long as `ends` then.
+    colors: Option<Vec<[f32; 4]>>,
 }
 
 fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
@@ -54,6 +58,9 @@ fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
     }
     let mut mesh = mesh.ok_or_else(|| Fault::whole("has no element `vertex`: a mesh has one"))?;
     check_indices(&polygons, mesh.positions.len())?;
+    if mesh.colors.is_some() && polygons.colors.take().is_some() {
+        warnings.push("the colours of the faces are not used: those of the vertices are".to_string());
+    }
     corners::split(&mut polygons, &mut mesh)?;
     let degenerate = triangulate(&polygons, &mut mesh);
     drop(polygons);
@@ -68,7 +75,7 @@ fn material(header: &Header<'_>, mesh: &mut Mesh, warnings: &mut Vec<String>) ->
         warnings.push(format!("of {} textures only the first is used", header.textures.len()));
     }
     mesh.parts.iter_mut().for_each(|part| part.material = Some(0));
-    let diffuse_map = Some(MtlMap::named(String::from_utf8_lossy(texture).into_owned()));
+    let diffuse_map = Some(MtlMap::named(String::from_utf8_lossy(unquoted(texture)).into_owned()));
     vec![MtlMaterial { diffuse_map, ..MtlMaterial::default() }]
 }
 
@@ -114,9 +121,7 @@ fn vertices(body: &mut Body<'_>, element: &Element<'_>, rows: usize) -> Result<M
         row[ALPHA] = 1.0;
         for (property, slot) in element.properties.iter().zip(&slots) {
             match *slot {
-                Some(slot) if slot >= COLOR => {
-                    row[slot] = (body.number(property.value)? / property.value.full()) as f32
-                }
+                Some(slot) if slot >= COLOR => row[slot] = body.strength(property.value)?,
                 Some(slot) => row[slot] = body.number(property.value)? as f32,
                 None => body.skip_property(property)?,
             }
@@ -130,11 +135,21 @@ fn vertices(body: &mut Body<'_>, element: &Element<'_>, rows: usize) -> Result<M
         let color = [row[COLOR], row[COLOR + 1], row[COLOR + 2], row[ALPHA]];
         mesh.colors.iter_mut().for_each(|colors| colors.push(color));
     }
-    let red = element.properties.iter().zip(&slots).find(|(_, slot)| **slot == Some(COLOR));
-    if red.is_some_and(|(property, _)| property.value.is_integer()) {
+    if has_encoded_colors(element) {
         mesh.colors.iter_mut().for_each(|colors| make_linear(colors));
     }
     Ok(mesh)
+}
+
+/// Whether the colours of an element are whole numbers.
+fn has_encoded_colors(element: &Element<'_>) -> bool {
+    let red = element.properties.iter().find(|property| color_slot(property) == Some(COLOR));
+    red.is_some_and(|property| property.value.is_integer())
+}
+
+/// Slot of a property that is part of a colour.
+fn color_slot(property: &Property<'_>) -> Option<usize> {
+    slot(property.name).filter(|slot| *slot >= COLOR && property.length.is_none())
 }
 
 /// Whether the property of a face or a strip is the list of its vertices.
@@ -158,11 +173,25 @@ fn faces(body: &mut Body<'_>, element: &Element<'_>, rows: usize, polygons: &mut
     check_corner_list(element)?;
     let is_uv = |property: &Property<'_>| property.length.is_some() && property.name == b"texcoord";
     let has_uvs = element.properties.iter().any(is_uv);
-    if has_uvs {
-        polygons.uvs.get_or_insert_default().resize(polygons.corners.len(), [0.0; 2]);
-    }
+    let has = |slot: usize| element.properties.iter().any(|property| color_slot(property) == Some(slot));
+    let has_colors = (COLOR..ALPHA).all(has);
+    // The lists are made as long as that of the corners and of the polygons, whatever the file has.
+    let fill = |polygons: &mut Polygons| {
+        if has_uvs {
+            polygons.uvs.get_or_insert_default().resize(polygons.corners.len(), [0.0; 2]);
+        }
+        if has_colors {
+            polygons.colors.get_or_insert_default().resize(polygons.ends.len(), [1.0; 4]);
+        }
+    };
+    fill(polygons);
     for _ in 0..rows {
+        let mut color = [1.0; 4];
         for property in &element.properties {
+            if let Some(slot) = color_slot(property) {
+                color[slot - COLOR] = body.strength(property.value)?;
+                continue;
+            }
             let Some(length) = property.length.filter(|_| corner_list(property) || is_uv(property)) else {
                 body.skip_property(property)?;
                 continue;
@@ -178,10 +207,11 @@ fn faces(body: &mut Body<'_>, element: &Element<'_>, rows: usize, polygons: &mut
             }
             polygons.ends.push(polygons.corners.len());
         }
-        // The list is made as long as that of the corners, whatever the file has.
-        if has_uvs {
-            polygons.uvs.get_or_insert_default().resize(polygons.corners.len(), [0.0; 2]);
-        }
+        polygons.colors.iter_mut().for_each(|colors| colors.push(color));
+        fill(polygons);
+    }
+    if has_encoded_colors(element) {
+        polygons.colors.iter_mut().for_each(|colors| make_linear(colors));
     }
     Ok(())
 }
