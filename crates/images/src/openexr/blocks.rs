@@ -59,8 +59,7 @@ fn finish(layer: &Layer<'_>, pixels: &mut [[f32; 3]]) {
         }
     }
     if layer.kind == Kind::LuminanceChroma {
-        let weights = chroma::weights(layer.meta.headers[0].shared_attributes.chromaticities);
-        pixels.par_iter_mut().for_each(|pixel| *pixel = chroma::rgb(*pixel, weights));
+        pixels.par_iter_mut().for_each(|pixel| *pixel = chroma::rgb(*pixel, layer.weights));
     }
 }
 
@@ -72,8 +71,8 @@ fn find<'a>(layer: &Layer<'a>, offset: u64, column: usize, row: usize) -> Result
         true => Ok(()),
         false => Err(malformed("its table of blocks leads to the wrong ones")),
     };
-    if layer.meta.requirements.has_multiple_layers {
-        expect(layer.index as i64)?;
+    if let Some(number) = layer.number {
+        expect(number as i64)?;
     }
     if layer.is_tiled() {
         [column as i64, row as i64, 0, 0].into_iter().try_for_each(&mut expect)?;
@@ -100,14 +99,14 @@ fn decompress(layer: &Layer<'_>, block: &Block<'_>) -> Result<UncompressedBlock,
         let y_coordinate = i32::try_from(line(layer, block.row)).map_err(malformed)?;
         CompressedBlock::ScanLine(CompressedScanLineBlock { y_coordinate, compressed_pixels_le })
     };
-    let chunk = Chunk { layer_index: layer.index, compressed_block };
+    let chunk = Chunk { layer_index: 0, compressed_block };
     if !layer.is_subsampled() {
         return UncompressedBlock::decompress_chunk(chunk, &layer.meta, false).map_err(problem);
     }
     // The library multiplies pixels by the bytes of one: where some have fewer samples, the mean gives what it should.
     let (width, first, height) = extent(layer, block.column, block.row);
     let mut meta = layer.meta.clone();
-    meta.headers[layer.index].channels.bytes_per_pixel = layer.bytes(width, first, height) / (width * height);
+    meta.headers[0].channels.bytes_per_pixel = layer.bytes(width, first, height) / (width * height);
     UncompressedBlock::decompress_chunk(chunk, &meta, false).map_err(problem)
 }
 

@@ -1,5 +1,7 @@
 //! Which channels of an OpenEXR file make up the colour that is read.
 
+use std::collections::HashMap;
+
 use exr::meta::attribute::Text;
 use exr::meta::header::Header;
 
@@ -117,18 +119,14 @@ fn groups(headers: &[Header]) -> Vec<Group> {
         // The name of an only part says nothing of its channels.
         let part =
             listed.own_attributes.layer_name.as_ref().filter(|_| headers.len() > 1).map_or_else(String::new, text);
-        let first = groups.len();
+        let mut known = HashMap::new();
         for (place, channel) in listed.channels.list.iter().enumerate() {
             let channel = text(&channel.name);
             let (prefix, last) = channel.rsplit_once('.').unwrap_or(("", &channel));
             let Some(role) = Role::of(last) else { continue };
-            let name = if part.is_empty() || prefix.is_empty() {
-                format!("{part}{prefix}")
-            } else {
-                format!("{part}.{prefix}")
-            };
-            let known = groups[first..].iter().position(|group| group.name == name);
-            let group = known.map_or(groups.len(), |known| first + known);
+            let dot = if part.is_empty() || prefix.is_empty() { "" } else { "." };
+            let name = format!("{part}{dot}{prefix}");
+            let group = *known.entry(name.clone()).or_insert(groups.len());
             if group == groups.len() {
                 groups.push(Group { header, name, members: [None; ROLES] });
             }

@@ -3,11 +3,11 @@
 use exr::compression::Compression;
 use exr::math::Vec2;
 use exr::meta::attribute::{ChannelDescription, EnvironmentMap, SampleType};
-use exr::meta::header::Header;
+use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::meta::{BlockDescription, MetaData};
 
 use super::colors::{self, Kind};
-use super::{malformed, problem, unsupported};
+use super::{chroma, malformed, problem, unsupported};
 use crate::error::Problem;
 use crate::limits::Limits;
 
@@ -19,15 +19,18 @@ const OFFSET_BYTES: usize = 8;
 /// The layer to read. Sizes are in pixels.
 pub(super) struct Layer<'a> {
     pub(super) file: &'a [u8],
+    /// The one header of this layer, with nothing in it but what blocks need.
     pub(super) meta: MetaData,
-    /// Index of this layer's header among the headers.
-    pub(super) index: usize,
+    /// Number that blocks of this layer begin with, where the file has several.
+    pub(super) number: Option<usize>,
     pub(super) width: usize,
     pub(super) height: usize,
     pub(super) block_width: usize,
     pub(super) block_height: usize,
     /// Meaning of the samples that are read.
     pub(super) kind: Kind,
+    /// Parts of red, green and blue in luminance.
+    pub(super) weights: [f32; 3],
     /// All channels of the layer, in the order in which a line of a block has them.
     pub(super) channels: Vec<Channel>,
     /// Offsets of its blocks in the file, row by row.
@@ -72,11 +75,27 @@ impl<'a> Layer<'a> {
         let count = width.div_ceil(block_width) * height.div_ceil(block_height);
         let (table, _) = rest.as_chunks::<OFFSET_BYTES>();
         let offsets = table.get(before..before + count).ok_or_else(|| malformed("its table of blocks is too short"))?;
-        Ok(Self { file, index, width, height, block_width, block_height, kind, channels, offsets, warning, meta })
+        let weights = chroma::weights(header.shared_attributes.chromaticities);
+        let number = meta.requirements.has_multiple_layers.then_some(index);
+        let meta = MetaData { requirements: meta.requirements, headers: std::iter::once(bare(header)).collect() };
+        Ok(Self {
+            file,
+            meta,
+            number,
+            width,
+            height,
+            block_width,
+            block_height,
+            kind,
+            weights,
+            channels,
+            offsets,
+            warning,
+        })
     }
 
     pub(super) fn header(&self) -> &Header {
-        &self.meta.headers[self.index]
+        &self.meta.headers[0]
     }
 
     /// Whether a channel has fewer samples than there are pixels.
@@ -96,6 +115,17 @@ impl<'a> Layer<'a> {
 
     pub(super) fn is_tiled(&self) -> bool {
         matches!(self.header().blocks, BlockDescription::Tiles(_))
+    }
+}
+
+/// The header without attributes that blocks do not need, which may be long.
+fn bare(header: &Header) -> Header {
+    let layer_position = header.own_attributes.layer_position;
+    Header {
+        own_attributes: LayerAttributes { layer_position, ..LayerAttributes::default() },
+        shared_attributes: ImageAttributes::new(header.shared_attributes.display_window),
+        channels: header.channels.clone(),
+        ..*header
     }
 }
 
