@@ -223,6 +223,56 @@ fn mutated() {
     println!("{cases} files read");
 }
 
+/// Parts of URIs that lead to other folders, or that are written in more than one way.
+const PARTS: [&str; 16] = [
+    "..",
+    "../",
+    "..\\",
+    "/",
+    "%2e%2e",
+    "%2F",
+    "%5c",
+    "secret.bin",
+    "inside",
+    "./",
+    "file:",
+    "//",
+    "?",
+    "#",
+    "sub/",
+    "C:",
+];
+
+/// No URI reads a file beside the folder of the model, where there is one that would do.
+#[test]
+fn uris_never_lead_out_of_the_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let inside = folder.path().join("inside");
+    std::fs::create_dir_all(inside.join("sub")).unwrap();
+    let mut builder = Builder::triangle();
+    std::fs::write(folder.path().join("secret.bin"), &builder.binary).unwrap();
+    let absolute = folder.path().canonicalize().unwrap();
+    let parts: Vec<String> = PARTS.into_iter().chain(absolute.to_str()).map(str::to_string).collect();
+    let path = inside.join("a.gltf");
+    let length = builder.binary.len();
+    let mut read = |uri: &str, allow_outside| {
+        builder.json["buffers"] = json!([{ "byteLength": length, "uri": uri }]);
+        std::fs::write(&path, builder.gltf()).unwrap();
+        raggio_models::load_gltf(&path, &GltfOptions { allow_outside, ..GltfOptions::default() })
+    };
+    assert!(read("../secret.bin", true).is_ok());
+    let mut runner = TestRunner::new(Config { cases: 2000, failure_persistence: None, ..Config::default() });
+    let strategy = vec(prop::sample::select(parts), 1..8);
+    let read = std::cell::RefCell::new(read);
+    let outcome = runner.run(&strategy, |parts| {
+        let uri = parts.concat();
+        let error = (*read.borrow_mut())(&uri, false).expect_err(&uri);
+        assert!(!error.to_string().chars().any(char::is_control), "{error:?}");
+        Ok(())
+    });
+    outcome.unwrap();
+}
+
 proptest! {
     #[test]
     fn arbitrary(bytes in vec(any::<u8>(), 0..300)) {
