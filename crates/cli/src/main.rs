@@ -20,6 +20,10 @@ use args::{Arguments, Command};
 fn main() -> ExitCode {
     // A fault that no user can mend is still one sentence, not a backtrace, and a status of the documented ones.
     std::panic::set_hook(Box::new(|info| {
+        // Decoders of images may give up on damaged bytes, which is no fault of the program and ends as a warning.
+        if raggio_images::guarded() {
+            return;
+        }
         output::say(format_args!("error: raggio has a fault of its own, please report it: {info}"));
         std::process::exit(3);
     }));

@@ -23,6 +23,33 @@ fn without_output_the_picture_is_named_after_the_scene() {
     assert_eq!((picture.width(), picture.height()), (32, 24));
 }
 
+/// A decoder of images that gives up on damaged bytes is no fault of the program: the picture is made without the image.
+#[test]
+fn images_on_which_decoders_give_up_are_left_out() {
+    let folder = folder_with(SCENE);
+    let image = project_file("crates/images/tests/data/texel-dimension.ktx2");
+    std::fs::copy(image, folder.path().join("damaged.ktx2")).expect("the image is copied");
+    let model = r#"{ "asset": { "version": "2.0" },
+        "buffers": [{ "byteLength": 36, "uri": "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA" }],
+        "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+        "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }],
+        "nodes": [{ "mesh": 0 }],
+        "images": [{ "uri": "damaged.ktx2" }],
+        "textures": [{ "extensions": { "KHR_texture_basisu": { "source": 0 } } }],
+        "materials": [{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }] }"#;
+    std::fs::write(folder.path().join("model.gltf"), model).expect("the model is written");
+    for arguments in [&["check", "model.gltf"][..], &["render", "model.gltf", "--size", "8x8", "--samples", "1"]] {
+        let output = raggio(folder.path(), arguments);
+        let errors = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{errors}");
+        let warning = "image 0 is left out: it is a KTX2 that is damaged: its decoder gave up on what it holds";
+        assert!(errors.contains(warning), "{errors}");
+        assert!(!errors.contains("fault of its own"), "{errors}");
+    }
+    assert!(folder.path().join("model.png").exists());
+}
+
 #[test]
 fn several_outputs_hold_the_same_picture() {
     let folder = folder_with(SCENE);

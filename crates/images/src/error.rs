@@ -22,7 +22,7 @@ pub enum Problem {
     #[error("cannot be read: {0}")]
     Unreadable(String),
     /// The bytes are of none of the known formats.
-    #[error("is not an image that can be read: PNG, JPEG, WebP, Radiance HDR, OpenEXR and KTX2 can")]
+    #[error("is not an image that can be read: PNG, JPEG, WebP, BMP, TGA, TIFF, Radiance HDR, OpenEXR and KTX2 can")]
     UnknownFormat,
     /// The file is larger than [`Limits::most_bytes`](crate::Limits::most_bytes).
     #[error("has more than {most} bytes, the most that an image may have")]

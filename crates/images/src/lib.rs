@@ -8,8 +8,11 @@
 //! | PNG | every kind; the first frame of an animation | 8 or 16 bits |
 //! | JPEG | baseline and progressive; grey, RGB, CMYK | 8 bits |
 //! | WebP | the first frame | 8 bits |
+//! | BMP | every kind | 8 bits |
+//! | TGA | with and without a palette or runs | 8 bits |
+//! | TIFF | grey, RGB and CMYK of 8 or 16 bits, RGB of floats; the first page | 8 or 16 bits, or float |
 //! | Radiance HDR | RGBE | float |
-//! | OpenEXR | scan lines and tiles, the full resolution of the first layer with colour | float |
+//! | OpenEXR | scan lines and tiles, the full resolution of one layer: RGB, luminance with or without chroma | float |
 //! | KTX2 | Basis Universal, ASTC and uncompressed formats, the first level | 8 or 16 bits, or float |
 //!
 //! Colour profiles, gamma values and orientations beside the texels are not applied. Alpha of float images is dropped:
@@ -23,6 +26,7 @@ mod bitmap;
 mod error;
 mod format;
 mod guard;
+mod hdr;
 mod ktx;
 mod limits;
 mod load;
@@ -32,5 +36,6 @@ mod raster;
 pub use bitmap::{Bitmap, Texels};
 pub use error::{ImageError, Problem};
 pub use format::Format;
+pub use guard::guarded;
 pub use limits::Limits;
-pub use load::{decode, load};
+pub use load::{Image, decode, load};

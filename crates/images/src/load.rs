@@ -4,45 +4,78 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-use image::ImageFormat;
-
 use crate::bitmap::Bitmap;
 use crate::error::{ImageError, Problem, printable};
 use crate::format::Format;
 use crate::guard::caught;
 use crate::limits::Limits;
-use crate::{ktx, openexr, raster};
+use crate::{hdr, ktx, openexr, raster};
 
-/// Decodes the bytes of an image file.
+/// An image, and what the user should know of how it was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Texels of the image.
+    pub bitmap: Bitmap,
+    /// Warnings, one sentence each, without the file's name.
+    pub warnings: Vec<String>,
+}
+
+impl Image {
+    /// Decodes the bytes of an image file.
+    ///
+    /// # Errors
+    /// When the bytes are of no known format, are damaged, or hold more than `limits` allow. No file is named.
+    pub fn decode(bytes: &[u8], limits: &Limits) -> Result<Self, ImageError> {
+        read(bytes, limits).map_err(|problem| ImageError { file: None, problem })
+    }
+
+    /// Reads and decodes an image file; the format is told by its bytes, not by its extension.
+    ///
+    /// # Errors
+    /// The errors are those of [`Image::decode`], and one when the file cannot be read; the file is named.
+    pub fn load(path: &Path, limits: &Limits) -> Result<Self, ImageError> {
+        let result = bytes_of(path, limits.most_bytes).and_then(|bytes| read(&bytes, limits));
+        result.map_err(|problem| ImageError { file: Some(printable(&path.display().to_string())), problem })
+    }
+}
+
+impl From<Bitmap> for Image {
+    fn from(bitmap: Bitmap) -> Self {
+        Self { bitmap, warnings: Vec::new() }
+    }
+}
+
+/// Decodes the bytes of an image file, for callers who have no use for warnings.
 ///
 /// # Errors
-/// When the bytes are of no known format, are damaged, or hold more than `limits` allow. No file is named.
+/// The errors are those of [`Image::decode`].
 pub fn decode(bytes: &[u8], limits: &Limits) -> Result<Bitmap, ImageError> {
-    read(bytes, limits).map_err(|problem| ImageError { file: None, problem })
+    Image::decode(bytes, limits).map(|image| image.bitmap)
 }
 
-/// Reads and decodes an image file; the format is told by its bytes, not by its extension.
+/// Reads and decodes an image file, for callers who have no use for warnings.
 ///
 /// # Errors
-/// The errors are those of [`decode`], and one when the file cannot be read; the file is named.
+/// The errors are those of [`Image::load`].
 pub fn load(path: &Path, limits: &Limits) -> Result<Bitmap, ImageError> {
-    let result = bytes_of(path, limits.most_bytes).and_then(|bytes| read(&bytes, limits));
-    result.map_err(|problem| ImageError { file: Some(printable(&path.display().to_string())), problem })
+    Image::load(path, limits).map(|image| image.bitmap)
 }
 
-fn read(bytes: &[u8], limits: &Limits) -> Result<Bitmap, Problem> {
+fn read(bytes: &[u8], limits: &Limits) -> Result<Image, Problem> {
     if bytes.len() as u64 > limits.most_bytes {
         return Err(Problem::FileTooLarge { most: limits.most_bytes });
     }
     let format = Format::of_bytes(bytes).ok_or(Problem::UnknownFormat)?;
-    caught(format, || match format {
-        Format::Png => raster::decode(format, ImageFormat::Png, bytes, limits),
-        Format::Jpeg => raster::decode(format, ImageFormat::Jpeg, bytes, limits),
-        Format::WebP => raster::decode(format, ImageFormat::WebP, bytes, limits),
-        Format::Hdr => raster::decode(format, ImageFormat::Hdr, bytes, limits),
-        Format::Exr => openexr::decode(bytes, limits),
-        Format::Ktx2 => ktx::decode(bytes, limits),
-    })
+    let bitmap = match format {
+        // Several threads decompress the blocks, and each of them has a guard of its own.
+        Format::Exr => return openexr::decode(bytes, limits),
+        Format::Hdr => caught(format, || hdr::decode(bytes, limits)),
+        Format::Ktx2 => caught(format, || ktx::decode(bytes, limits)),
+        Format::Png | Format::Jpeg | Format::WebP | Format::Bmp | Format::Tga | Format::Tiff => {
+            caught(format, || raster::decode(format, bytes, limits))
+        }
+    };
+    bitmap.map(Image::from)
 }
 
 fn bytes_of(path: &Path, most: u64) -> Result<Vec<u8>, Problem> {

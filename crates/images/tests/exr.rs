@@ -165,15 +165,138 @@ fn numbers_that_light_cannot_be() {
     assert_eq!(texels.iter().map(|t| t[2]).collect::<Vec<_>>(), [0.0, 1.0, 2.0, 3.0, 4.0, 4294967296.0]);
 }
 
-/// Halved chromaticity beside full luminance, as OpenEXR's luminance-chroma files have it.
+/// Files of OpenEXR's own library: luminance of every pixel, and chroma of every second one in both directions.
+const CHROMA: [(&str, (usize, usize), &[u8]); 6] = [
+    ("none", (12, 6), include_bytes!("data/chroma-none.exr")),
+    ("rle", (12, 6), include_bytes!("data/chroma-rle.exr")),
+    ("zips", (12, 6), include_bytes!("data/chroma-zips.exr")),
+    ("zip", (12, 6), include_bytes!("data/chroma-zip.exr")),
+    ("pxr24", (12, 6), include_bytes!("data/chroma-pxr24.exr")),
+    ("piz", (20, 70), include_bytes!("data/chroma-piz.exr")),
+];
+
+/// The colour of a pixel of these files: chroma is linear, so that what is between samples is known but behind the last.
+fn of_chroma(x: usize, y: usize, (width, height): (usize, usize)) -> [f32; 3] {
+    let (sampled_x, sampled_y) = (x.min(width - 2) as f32, y.min(height - 2) as f32);
+    let (luminance, red, blue) = ((1 + x + 2 * y) as f32 / 8.0, (sampled_x - 4.0) / 16.0, (sampled_y - 2.0) / 8.0);
+    let [red, blue] = [red, blue].map(|chroma| (chroma + 1.0) * luminance);
+    [red, (luminance - 0.2126 * red - 0.0722 * blue) / 0.7152, blue].map(|value| value.max(0.0))
+}
+
 #[test]
-fn subsampled_channels_are_refused() {
-    let encoding = Encoding { compression: Compression::Uncompressed, ..Encoding::FAST_LOSSLESS };
-    let mut bytes = written!(Image::from_layer(layer("a", encoding, vec![channel("Y", 0, SampleType::F32)])));
+fn luminance_and_chroma_become_colours() {
+    for (compression, size, bytes) in CHROMA {
+        let bitmap = decoded(bytes);
+        assert_eq!((bitmap.width as usize, bitmap.height as usize), size, "{compression}");
+        let Texels::Rgb32F(texels) = bitmap.texels else { panic!("expected floats") };
+        for (i, texel) in texels.iter().enumerate() {
+            let expected = of_chroma(i % size.0, i / size.0, size);
+            let near =
+                texel.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-4 * expected.max(1.0));
+            assert!(near, "{compression}, pixel {i}: {texel:?} should be {expected:?}");
+        }
+    }
+}
+
+/// Grey stays grey whatever the primaries are, and luminance keeps its value where they are given.
+#[test]
+fn chroma_follows_the_primaries() {
+    let flat = |name: &str, value: f32| AnyChannel::new(name, FlatSamples::F32(vec![value; SIZE.area()]));
+    let read = |red: f32, blue: f32, primaries: Option<attribute::Chromaticities>| {
+        let channels = AnyChannels::sort(vec![flat("Y", 0.5), flat("RY", red), flat("BY", blue)].into());
+        let mut image = Image::from_channels(SIZE, channels);
+        image.attributes.chromaticities = primaries;
+        let Texels::Rgb32F(texels) = decoded(&written!(image)).texels else { panic!("expected floats") };
+        texels[7]
+    };
+    // Those of ACES' AP1, whose parts in luminance are 0.27223, 0.67408 and 0.05369.
+    let ap1 = attribute::Chromaticities {
+        red: Vec2(0.713, 0.293),
+        green: Vec2(0.165, 0.830),
+        blue: Vec2(0.128, 0.044),
+        white: Vec2(0.32168, 0.33767),
+    };
+    for (primaries, weights) in [(None, [0.2126, 0.7152, 0.0722]), (Some(ap1), [0.272_229, 0.674_082, 0.053_689])] {
+        assert!(read(0.0, 0.0, primaries).iter().all(|value| (value - 0.5).abs() < 1e-6));
+        let found = read(0.5, -0.5, primaries);
+        let expected = [0.75, (0.5 - weights[0] * 0.75 - weights[2] * 0.25) / weights[1], 0.25];
+        assert!(found.iter().zip(expected).all(|(a, b): (&f32, f32)| (a - b).abs() < 1e-4), "{found:?}");
+    }
+}
+
+/// The file with the number of columns from one sample of its first channel to the next replaced.
+fn with_sampling(mut bytes: Vec<u8>, first: &str, across: u8) -> Vec<u8> {
     let list = bytes.windows(7).position(|window| window == b"chlist\0").unwrap() + 7 + 4;
     // Name and zero, kind, linearity and padding, then the samplings.
-    bytes[list + 10] = 2;
-    let problem = decode(&bytes, &Limits::default()).unwrap_err().problem;
-    assert!(matches!(&problem, Problem::Unsupported { .. } | Problem::Malformed { .. }), "{problem}");
-    assert!(problem.to_string().contains("sampl"), "{problem}");
+    bytes[list + first.len() + 1 + 8] = across;
+    bytes
+}
+
+#[test]
+fn samplings_that_are_not_read_are_told() {
+    let bytes = written!(Image::from_layer(layer("a", Encoding::UNCOMPRESSED, vec![channel("Y", 0, SampleType::F32)])));
+    let problem = |bytes: &[u8]| decode(bytes, &Limits::default()).unwrap_err().problem.to_string();
+    assert!(problem(&with_sampling(bytes.clone(), "Y", 3)).contains("a channel has a sample for 3 x 1 pixels"));
+    assert!(problem(&with_sampling(bytes, "Y", 2)).contains("the samples of a channel do not fit its image"));
+    assert!(problem(include_bytes!("data/chroma-b44.exr")).contains("not in B44"));
+    assert!(decode(&with_sampling(CHROMA[0].2.to_vec(), "BY", 0), &Limits::default()).is_err());
+}
+
+fn warnings(bytes: &[u8]) -> Vec<String> {
+    raggio_images::Image::decode(bytes, &Limits::default()).expect("a valid image").warnings
+}
+
+#[test]
+fn the_best_of_several_layers_and_which_it_is() {
+    let float = |name: String, number| channel(&name, number, SampleType::F32);
+    let colors = |prefix: &str, first: usize| {
+        let color = |(i, last): (usize, &str)| float(format!("{prefix}.{last}"), first + i);
+        ["R", "G", "B"].into_iter().enumerate().map(color).collect::<Vec<_>>()
+    };
+    let file = |channels: Vec<AnyChannel<FlatSamples>>| {
+        written!(Image::from_layer(layer("a", Encoding::SMALL_LOSSLESS, channels)))
+    };
+    // As Blender has them, in the order of the alphabet.
+    let mut all = [colors("View.AO", 3), colors("View.Combined", 6), colors("View.Normal", 9)].concat();
+    all.push(float("View.Depth.Z".into(), 1));
+    let bytes = file(all.clone());
+    assert_same(&bytes, &expected([6, 7, 8]), "Combined");
+    let named = "it has the layers `View.AO`, `View.Combined`, `View.Normal`: `View.Combined` is taken";
+    assert_eq!(warnings(&bytes), [named]);
+    all.extend(rgb([SampleType::F32; 3]));
+    let bytes = file(all);
+    assert_same(&bytes, &expected([0, 1, 2]), "without a name");
+    assert_eq!(warnings(&bytes), [""; 0]);
+    // Luminance alone and a vector's y are less of a colour than red, green and blue.
+    let vector = ["X", "Y", "Z"].map(|last| float(format!("N.{last}"), 12)).to_vec();
+    let bytes = file([vec![float("A.Y".into(), 11)], vector, colors("Other", 3)].concat());
+    assert_same(&bytes, &expected([3, 4, 5]), "the first with all colours");
+    assert_eq!(warnings(&bytes), ["it has the layers `A`, `Other`: `Other` is taken"]);
+    assert_eq!(warnings(&file(colors("Other", 3))), [""; 0]);
+}
+
+#[test]
+fn parts_have_names_too() {
+    let encoding = Encoding::SMALL_LOSSLESS;
+    let grey = |name: &str, number| layer(name, encoding, vec![channel("Y", number, SampleType::F32)]);
+    let attributes = ImageAttributes::new(IntegerBounds::from_dimensions(SIZE));
+    let parts = vec![grey("albedo", 5), grey("View.rgba", 6), grey("gr\u{fc}n", 7)];
+    let bytes = written!(Image::from_layers(attributes, parts));
+    assert_same(&bytes, &expected([6; 3]), "rgba");
+    // The library writes the name in Latin-1, which is no UTF-8.
+    let named = "it has the layers `albedo`, `View.rgba`, `gr\u{fffd}n`: `View.rgba` is taken";
+    assert_eq!(warnings(&bytes), [named]);
+}
+
+#[test]
+fn cube_maps_are_refused() {
+    let mut image = Image::from_layer(layer("a", Encoding::SMALL_LOSSLESS, rgb([SampleType::F32; 3])));
+    image.layer_data.attributes.environment_map = Some(attribute::EnvironmentMap::LatitudeLongitude);
+    assert_same(&written!(image), &expected([0, 1, 2]), "latitude and longitude");
+    image.layer_data.attributes.environment_map = Some(attribute::EnvironmentMap::Cube);
+    let problem = decode(&written!(image), &Limits::default()).unwrap_err().problem;
+    assert!(
+        matches!(&problem, Problem::Unsupported { reason, .. } if reason.contains("it is a cube map")),
+        "{problem}"
+    );
 }

@@ -12,7 +12,7 @@ use raggio_images::{Limits, Problem, Texels, decode};
 /// Limits small enough for a file that claims more than it has to be noticed.
 const LIMITS: Limits = Limits { most_pixels: 1 << 20, most_bytes: 1 << 25 };
 
-const FORMATS: [&str; 6] = ["png", "jpeg", "webp", "hdr", "exr", "ktx2"];
+const FORMATS: [&str; 9] = ["png", "jpeg", "webp", "bmp", "tga", "tiff", "hdr", "exr", "ktx2"];
 
 fn photo() -> image::RgbaImage {
     image::RgbaImage::from_fn(17, 9, |x, y| image::Rgba([(x * 10) as u8, (y * 12) as u8, (x * y) as u8, 255 - x as u8]))
@@ -34,6 +34,16 @@ fn raster_seeds(format: &str) -> Vec<Vec<u8>> {
             vec![encoded(&rgb, ImageFormat::Jpeg), encoded(&DynamicImage::from(image.to_luma8()), ImageFormat::Jpeg)]
         }
         "webp" => vec![encoded(&image, ImageFormat::WebP)],
+        "bmp" => {
+            vec![encoded(&image, ImageFormat::Bmp), encoded(&DynamicImage::from(image.to_rgb8()), ImageFormat::Bmp)]
+        }
+        "tga" => {
+            vec![encoded(&image, ImageFormat::Tga), encoded(&DynamicImage::from(image.to_luma8()), ImageFormat::Tga)]
+        }
+        "tiff" => {
+            let kinds = [image.to_rgb16().into(), DynamicImage::from(image.to_rgb32f()), image];
+            kinds.iter().map(|image| encoded(image, ImageFormat::Tiff)).collect()
+        }
         _ => vec![encoded(&DynamicImage::from(image.to_rgb32f()), ImageFormat::Hdr)],
     }
 }
@@ -74,7 +84,12 @@ fn exr_seeds() -> Vec<Vec<u8>> {
         }
         file.into_inner()
     };
-    encodings.into_iter().map(write).collect()
+    let chroma: [&[u8]; 3] = [
+        include_bytes!("data/chroma-none.exr"),
+        include_bytes!("data/chroma-zip.exr"),
+        include_bytes!("data/chroma-piz.exr"),
+    ];
+    encodings.into_iter().map(write).chain(chroma.map(<[u8]>::to_vec)).collect()
 }
 
 fn seeds(format: &str) -> Vec<Vec<u8>> {
@@ -141,6 +156,29 @@ fn peak_bytes() -> u64 {
     line.and_then(|line| line.trim().trim_end_matches(" kB").parse::<u64>().ok()).map_or(0, |kilobytes| kilobytes << 10)
 }
 
+/// A file in which a decoder panics: its description says that blocks of texels are 256 wide.
+fn that_panics() -> Vec<u8> {
+    include_bytes!("data/texel-dimension.ktx2").to_vec()
+}
+
+/// A hook that is told of a decoder's panic can tell that somebody else will deal with it.
+#[test]
+fn hooks_know_of_the_guard() {
+    use std::sync::atomic::{AtomicU32, Ordering};
+    static TOLD: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
+    silence_decoders();
+    let before = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        TOLD[usize::from(raggio_images::guarded())].fetch_add(1, Ordering::Relaxed);
+        before(panic);
+    }));
+    let error = decode(&that_panics(), &LIMITS).unwrap_err();
+    assert_eq!(error.to_string(), "is a KTX2 that is damaged: its decoder gave up on what it holds");
+    assert!(TOLD[1].load(Ordering::Relaxed) > 0, "the file should make its decoder panic");
+    assert!(!raggio_images::guarded());
+    assert_eq!(TOLD[0].load(Ordering::Relaxed), 0, "no panic comes without a guard");
+}
+
 #[test]
 fn seeds_are_valid() {
     for (format, seed) in FORMATS.iter().flat_map(|format| seeds(format).into_iter().map(move |seed| (format, seed))) {
@@ -186,6 +224,14 @@ fn empty_exr() -> Vec<u8> {
     bytes
 }
 
+/// A file whose entries of width and height are `side`.
+fn tiff(side: u32) -> Vec<u8> {
+    let bytes = seeds("tiff").swap_remove(2);
+    let entry = |tag: u8| position(&bytes, &[tag, 1, 4, 0, 1, 0, 0, 0]) + 8;
+    let (width, height) = (entry(0), entry(1));
+    with(with(bytes, width, side.to_le_bytes()), height, side.to_le_bytes())
+}
+
 /// Headers that declare 30000 x 30000 pixels and more, under the limits that a program has.
 #[test]
 fn huge_dimensions_are_refused_at_once() {
@@ -206,6 +252,13 @@ fn huge_dimensions_are_refused_at_once() {
         with(with(png.clone(), 16, [0x7f; 4]), 20, [0x7f; 4]),
         hdr.into_bytes(),
         b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16383 +X 16383\n\x02\x02".to_vec(),
+        b"#?RGBE\n+X 16383 -Y 16383\n\x02\x02".to_vec(),
+        with(with(seeds("bmp").swap_remove(1), 18, 16_000u32.to_le_bytes()), 22, 16_000u32.to_le_bytes()),
+        with(with(seeds("bmp").swap_remove(0), 18, [0xff, 0xff, 0xff, 0x7f]), 22, [0xff, 0xff, 0xff, 0x7f]),
+        with(seeds("tga").swap_remove(0), 12, [0x80, 0x3e, 0x80, 0x3e]),
+        with(seeds("tga").swap_remove(0), 12, [0xff; 4]),
+        tiff(16_000),
+        tiff(u32::MAX),
         with(with(exr.clone(), window, 30_000u32.to_le_bytes()), window + 4, 30_000u32.to_le_bytes()),
         with(with(exr, window, 0x3000_0000u32.to_le_bytes()), window + 4, 0x3000_0000u32.to_le_bytes()),
         empty_exr(),
@@ -301,6 +354,21 @@ fn fuzz_jpeg() {
 #[test]
 fn fuzz_webp() {
     fuzz("webp");
+}
+
+#[test]
+fn fuzz_bmp() {
+    fuzz("bmp");
+}
+
+#[test]
+fn fuzz_tga() {
+    fuzz("tga");
+}
+
+#[test]
+fn fuzz_tiff() {
+    fuzz("tiff");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! PNG, JPEG, WebP and Radiance HDR come out as they were written.
+//! PNG, JPEG, WebP, BMP, TGA, TIFF and Radiance HDR come out as they were written.
 
 use crate::common::{decoded, encoded, png};
 use image::{DynamicImage, ImageFormat};
@@ -109,6 +109,97 @@ fn hdr_is_kept() {
     let image = image::Rgb32FImage::from_raw(2, 2, pixels.as_flattened().to_vec()).unwrap();
     let bytes = encoded(&DynamicImage::from(image), ImageFormat::Hdr);
     assert_eq!(decoded(&bytes), Bitmap { width: 2, height: 2, texels: Texels::Rgb32F(pixels.to_vec()) });
+}
+
+/// Pixels of a file of Radiance's, each red, green, blue and the exponent that they share, without compression.
+fn hdr(header: &str) -> Vec<u8> {
+    let pixels =
+        [[128, 0, 0, 129], [0, 128, 0, 129], [0, 0, 128, 129], [128, 128, 0, 129], [0, 128, 128, 130], [64; 4]];
+    [header.as_bytes(), pixels.as_flattened()].concat()
+}
+
+/// The colours of [`hdr`], in the file's order.
+const HDR: [[f32; 3]; 6] =
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0], [0.0, 2.0, 2.0], [1.355_252_7e-20; 3]];
+
+#[test]
+fn headers_of_hdr() {
+    let expected = Bitmap { width: 3, height: 2, texels: Texels::Rgb32F(HDR.to_vec()) };
+    let headers = [
+        "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 3\n",
+        "#?RGBE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 3\n",
+        "#?RGBE\r\nFORMAT=32-bit_rle_rgbe\r\nGAMMA=1\r\n\r\n-Y 2 +X 3\r\n",
+        "#?AUTOPANO\n# a comment\nrpict -vta -x 3\nEXPOSURE=none\nFORMAT = 32-bit_rle_rgbe \n\n\n -Y 2  +X 3 \n",
+        "#?RADIANCE\n-Y 2 +X 3\n",
+    ];
+    for header in headers {
+        assert_eq!(decoded(&hdr(header)), expected, "{header}");
+    }
+    let problem = |header: &str| decode(&hdr(header), &Limits::default()).unwrap_err().problem.to_string();
+    let other = problem("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 2 +X 3\n");
+    assert!(other.contains("its format is `32-bit_rle_xyze`; write `32-bit_rle_rgbe`"), "{other}");
+    for header in ["#?RADIANCE\n\n", "#?RADIANCE\n\n-Y 2 +Y 3\n", "#?RADIANCE\n\n-Y 2 +X 3 4\n"] {
+        assert!(problem(header).contains("its header should end with a line that says its size"), "{header}");
+    }
+    assert!(problem("#?RADIANCE\n\n-Y 3 +X 3\n").contains("damaged"));
+}
+
+#[test]
+fn orders_of_pixels_in_hdr() {
+    let order = |size: &str| {
+        let bitmap = decoded(&hdr(&format!("#?RADIANCE\n\n{size}\n")));
+        let Texels::Rgb32F(texels) = bitmap.texels else { panic!("expected floats") };
+        let place = |texel| HDR.iter().position(|other| *other == texel).expect("a colour of the file");
+        (bitmap.width, bitmap.height, texels.into_iter().map(place).collect::<Vec<_>>())
+    };
+    assert_eq!(order("+Y 2 +X 3"), (3, 2, vec![3, 4, 5, 0, 1, 2]));
+    assert_eq!(order("-Y 2 -X 3"), (3, 2, vec![2, 1, 0, 5, 4, 3]));
+    assert_eq!(order("+Y 2 -X 3"), (3, 2, vec![5, 4, 3, 2, 1, 0]));
+    assert_eq!(order("+X 3 -Y 2"), (3, 2, vec![0, 2, 4, 1, 3, 5]));
+    assert_eq!(order("+X 3 +Y 2"), (3, 2, vec![1, 3, 5, 0, 2, 4]));
+    assert_eq!(order("-X 3 -Y 2"), (3, 2, vec![4, 2, 0, 5, 3, 1]));
+    assert_eq!(order("-X 3 +Y 2"), (3, 2, vec![5, 3, 1, 4, 2, 0]));
+}
+
+#[test]
+fn bmp_tga_and_tiff_of_8_bits_are_kept() {
+    let image = DynamicImage::from(image::RgbaImage::from_raw(3, 2, RGBA.as_flattened().to_vec()).unwrap());
+    let opaque = RGBA.map(|[r, g, b, _]| [r, g, b, 255]);
+    let rgb = DynamicImage::from(image.to_rgb8());
+    for format in [ImageFormat::Bmp, ImageFormat::Tga, ImageFormat::Tiff] {
+        assert_eq!(rgba8(&encoded(&image, format)), RGBA, "{format:?}");
+        assert_eq!(rgba8(&encoded(&rgb, format)), opaque, "{format:?}");
+        let grey = DynamicImage::from(image::GrayImage::from_raw(2, 1, vec![7, 200]).unwrap());
+        assert_eq!(rgba8(&encoded(&grey, format)), [[7, 7, 7, 255], [200, 200, 200, 255]], "{format:?}");
+    }
+}
+
+#[test]
+fn tga_without_compression_and_with_a_palette() {
+    let header = |palette: u8, kind: u8, entries: u8, depth: u8, flags: u8| {
+        let entry_bits = if palette == 1 { 24 } else { 0 };
+        [0, palette, kind, 0, 0, entries, 0, entry_bits, 0, 0, 0, 0, 2, 0, 2, 0, depth, flags]
+    };
+    // Blue, green, red; from the bottom left unless a flag says from the top.
+    let pixels = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12];
+    let rows = [[3, 2, 1, 255], [6, 5, 4, 255], [9, 8, 7, 255], [12, 11, 10, 255]];
+    assert_eq!(rgba8(&[&header(0, 2, 0, 24, 0x20)[..], &pixels].concat()), rows);
+    assert_eq!(rgba8(&[&header(0, 2, 0, 24, 0)[..], &pixels].concat()), [rows[2], rows[3], rows[0], rows[1]]);
+    let indexed = [&header(1, 1, 4, 8, 0x20)[..], &pixels, &[3, 0, 1, 2]].concat();
+    assert_eq!(rgba8(&indexed), [rows[3], rows[0], rows[1], rows[2]]);
+}
+
+#[test]
+fn tiff_of_16_bits_and_of_floats_is_kept() {
+    let raw = RGBA16.as_flattened().to_vec();
+    let image = image::ImageBuffer::<image::Rgba<u16>, _>::from_raw(3, 2, raw).unwrap();
+    let bitmap = decoded(&encoded(&DynamicImage::from(image), ImageFormat::Tiff));
+    assert_eq!(bitmap, Bitmap { width: 3, height: 2, texels: Texels::Rgba16(RGBA16.to_vec()) });
+    let pixels = [[1.5, -0.5, 1e-9], [f32::NAN, f32::INFINITY, 3e38]];
+    let image = image::Rgb32FImage::from_raw(2, 1, pixels.as_flattened().to_vec()).unwrap();
+    let bitmap = decoded(&encoded(&DynamicImage::from(image), ImageFormat::Tiff));
+    let expected = vec![[1.5, 0.0, 1e-9], [0.0, f32::MAX, 3e38]];
+    assert_eq!(bitmap, Bitmap { width: 2, height: 1, texels: Texels::Rgb32F(expected) });
 }
 
 #[test]

@@ -31,8 +31,9 @@ pub struct Principled {
     pub emissive: [f32; 3],
     /// Texture whose RGB multiplies `emissive`; stored as sRGB.
     pub emissive_texture: Option<Texture>,
-    /// Whether the colours of vertices multiply `emissive` too, as those of unlit models do.
-    pub emission_has_vertex_color: bool,
+    /// Whether the colours of vertices multiply `emissive`, as they do `base_color`: a material that is not lit is seen by
+    /// what it emits.
+    pub emissive_by_vertex_color: bool,
     /// Refractive index, at least 1; 0 stands for an infinite one (no Fresnel effect).
     pub ior: f32,
     /// Strength of the specular reflection of dielectrics, 0 to 1.
@@ -121,7 +122,7 @@ impl Default for Principled {
             normal_scale: 1.0,
             emissive: [0.0; 3],
             emissive_texture: None,
-            emission_has_vertex_color: false,
+            emissive_by_vertex_color: false,
             ior: 1.5,
             specular: 1.0,
             specular_texture: None,

@@ -18,7 +18,7 @@ pub struct Model {
     pub materials: Vec<Material>,
     /// Lights without size.
     pub lights: Vec<Light>,
-    /// Viewpoints of the file.
+    /// Viewpoints of the file, in the order of the nodes that place them.
     pub cameras: Vec<Camera>,
     /// Warnings for the user, one sentence each, without the file's name.
     pub warnings: Vec<String>,
@@ -71,12 +71,12 @@ pub enum LightKind {
     Spot {
         /// Inner angle in radians from the axis.
         inner: f32,
-        /// Outer angle in radians from the axis, greater than `inner`, at most pi / 2.
+        /// Outer angle in radians from the axis, at least `inner`, at most pi / 2; equal angles make a hard edge.
         outer: f32,
     },
 }
 
-/// A perspective camera.
+/// A camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
     /// Name of the camera; may be empty.
@@ -87,8 +87,35 @@ pub struct Camera {
     pub forward: DVec3,
     /// Unit vector upwards, at a right angle to `forward`.
     pub up: DVec3,
-    /// Vertical field of view: radians between the picture's top and bottom edges.
-    pub vertical_fov: f32,
-    /// Width over height, if the file says it.
-    pub aspect: Option<f32>,
+    /// Projection of what the camera sees onto its picture.
+    pub projection: Projection,
+}
+
+impl Camera {
+    /// Width of the picture over its height, if the file says it.
+    pub fn aspect(&self) -> Option<f32> {
+        match self.projection {
+            Projection::Perspective { aspect, .. } => aspect,
+            Projection::Orthographic { xmag, ymag } => Some(xmag / ymag),
+        }
+    }
+}
+
+/// The projection of a camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Rays meet in the eye.
+    Perspective {
+        /// Vertical field of view: radians between the picture's top and bottom edges.
+        vertical_fov: f32,
+        /// Width over height, if the file says it.
+        aspect: Option<f32>,
+    },
+    /// Rays are parallel to the viewing direction.
+    Orthographic {
+        /// Half of the picture's width, in the world's units; positive.
+        xmag: f32,
+        /// Half of the picture's height, in the world's units; positive.
+        ymag: f32,
+    },
 }

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
-use raggio_render::{Display, Film, FilmPixel, Image, ImageFile, ToneMapper};
+use raggio_render::{Display, Extras, Film, FilmPixel, Image, ImageFile, Metadata, ToneMapper};
+use raggio_scene::Scene;
 
 /// A film of 3x2 pixels whose means are exact in 8 bits: 0 or 1 in each channel.
 fn film() -> Film {
@@ -37,6 +38,26 @@ fn what_is_written_is_read() {
     for name in ["picture.exr", "picture.png", "PICTURE.PNG"] {
         assert_eq!(Image::load(&write(folder.path(), name)).expect("a picture"), film().mean(), "{name}");
     }
+}
+
+/// OpenEXR's texts are UTF-8, and readers refuse a file with others.
+#[test]
+fn names_in_metadata_are_utf_8() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("picture.exr");
+    let text = "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nvertical_fov_degrees = 40\n";
+    let scene = Scene::parse(text, "scene.toml").expect("the scene is right");
+    let name = "gr\u{fc}n, \u{65e5}\u{672c}.toml";
+    let extras = Extras { metadata: Some(Metadata::new(&scene, name)), ..Extras::default() };
+    let file = ImageFile::new(&path).expect("a format");
+    file.write_with(&film(), Display::default(), &extras).expect("the picture is written");
+    let bytes = std::fs::read(&path).expect("the file");
+    let attribute = b"scene\0string\0";
+    let start = bytes.windows(attribute.len()).position(|window| window == attribute).expect("the attribute");
+    let (length, value) = bytes[start + attribute.len()..].split_first_chunk().expect("a length");
+    let value = &value[..u32::from_le_bytes(*length) as usize];
+    assert_eq!(std::str::from_utf8(value), Ok(name));
+    assert_eq!(Image::load(&path).expect("a picture"), film().mean());
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use glam::{DAffine3, DMat3, DVec3};
-use raggio_models::{Camera, Place};
+use raggio_models::{Camera, Place, Projection};
 
 use crate::assets::{Assets, Bounds, Imported, Trouble};
 use crate::error::SceneError;
@@ -86,15 +86,16 @@ fn bounds(model: &Imported, world_from_model: &DAffine3) -> Bounds {
 /// Size of the picture, with the aspect of the file's camera if it has one that gives it.
 fn picture(model: &Imported) -> [u32; 2] {
     let RenderSettings { width, height, .. } = RenderSettings::default();
-    let aspect = model.cameras.first().and_then(|camera| camera.aspect).filter(|aspect| (0.1..=10.0).contains(aspect));
+    let aspect = own_camera(model).and_then(|(camera, _)| camera.aspect());
+    let aspect = aspect.filter(|aspect| (0.1..=10.0).contains(aspect));
     [aspect.map_or(width, |aspect| (aspect * height as f32).round() as u32), height]
 }
 
 /// Writes the camera: the file's first, or one that sees the whole model.
 fn camera(text: &mut String, model: &Imported, bounds: Bounds, aspect: f64) {
     let center = 0.5 * (bounds.min + bounds.max);
-    let (position, look_at, up, fov) = match model.cameras.first() {
-        Some(camera) => of_file(camera, bounds),
+    let (position, look_at, up, fov) = match own_camera(model) {
+        Some((camera, vertical_fov)) => of_file(camera, vertical_fov, bounds),
         None => (center + distance(bounds, aspect) * TOWARDS_CAMERA.normalize(), center, DVec3::Y, VERTICAL_FOV),
     };
     let [position, look_at, up] = [position, look_at, up].map(list);
@@ -102,12 +103,20 @@ fn camera(text: &mut String, model: &Imported, bounds: Bounds, aspect: f64) {
     let _ = writeln!(text, "vertical_fov_degrees = {}", number(fov));
 }
 
+/// The file's first perspective camera, the kind that scenes have, and its vertical field of view in radians.
+fn own_camera(model: &Imported) -> Option<(&Camera, f32)> {
+    model.cameras.iter().find_map(|camera| match camera.projection {
+        Projection::Perspective { vertical_fov, .. } => Some((camera, vertical_fov)),
+        Projection::Orthographic { .. } => None,
+    })
+}
+
 /// View of a camera of the file; it looks at the middle of its picture, as far away as the model's middle.
-fn of_file(camera: &Camera, bounds: Bounds) -> (DVec3, DVec3, DVec3, f64) {
+fn of_file(camera: &Camera, vertical_fov: f32, bounds: Bounds) -> (DVec3, DVec3, DVec3, f64) {
     let center = 0.5 * (bounds.min + bounds.max);
     let depth = (center - camera.position).dot(camera.forward);
     let depth = depth.max(1e-3 * bounds.size()).max(1e-4 * camera.position.length());
-    let fov = f64::from(camera.vertical_fov).to_degrees().clamp(0.01, 179.0);
+    let fov = f64::from(vertical_fov).to_degrees().clamp(0.01, 179.0);
     (camera.position, camera.position + depth * camera.forward, camera.up, fov)
 }
 

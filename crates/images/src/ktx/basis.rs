@@ -7,7 +7,7 @@ use ktx2::{ColorModel, Header, Reader, SupercompressionScheme};
 use super::{first_level, format_description, level, malformed, unsupported};
 use crate::bitmap::Texels;
 use crate::error::Problem;
-use crate::guard::{grouped, radiance};
+use crate::guard::{collected, grouped, joined, radiance};
 
 /// Most bytes that a texel takes in memory while it is decoded.
 pub(super) const MOST_TEXEL_BYTES: u64 = 16;
@@ -26,12 +26,12 @@ pub(super) fn texels(reader: &Reader<&[u8]>) -> Result<Texels, Problem> {
     let target = if is_float { TargetFormat::RgbaHalf } else { TargetFormat::Rgba32 };
     let bytes = transcoder.transcode(0, target, DecodeFlags::NONE).map_err(|error| malformed(format!("{error:?}")))?;
     if !is_float {
-        return Ok(Texels::Rgba8(grouped(bytes)));
+        return Ok(Texels::Rgba8(grouped(bytes)?));
     }
     let value = |bits: [u8; 2]| radiance(f16::from_bits(u16::from_le_bytes(bits)).to_f32(), f16::MAX.to_f32());
     let (halves, _) = bytes.as_chunks();
     let (texels, _) = halves.as_chunks();
-    Ok(Texels::Rgb32F(texels.iter().map(|[r, g, b, _]| [value(*r), value(*g), value(*b)]).collect()))
+    Ok(Texels::Rgb32F(collected(texels.iter().map(|[r, g, b, _]| [value(*r), value(*g), value(*b)]))?))
 }
 
 /// A copy of the texture with one level, decompressed, and nothing else: the transcoder adds up offsets of the file
@@ -41,7 +41,7 @@ fn first_level_alone(reader: &Reader<&[u8]>) -> Result<Vec<u8>, Problem> {
     let description = format_description(reader, &header)?;
     let is_lz = header.supercompression_scheme == Some(SupercompressionScheme::BasisLZ);
     let (level, global) = if is_lz {
-        (first_level(reader)?.to_vec(), first_image_alone(reader, &header)?)
+        (joined(&[first_level(reader)?])?, first_image_alone(reader, &header)?)
     } else {
         (level(reader, level_bytes(reader, &header)?)?, Vec::new())
     };
@@ -58,7 +58,7 @@ fn first_level_alone(reader: &Reader<&[u8]>) -> Result<Vec<u8>, Problem> {
     (alone.index.sgd_byte_offset, alone.index.sgd_byte_length) = (global_start as u64, global.len() as u64);
     let uncompressed = if is_lz { 0 } else { level.len() as u64 };
     let index = [level_start as u64, level.len() as u64, uncompressed].map(u64::to_le_bytes);
-    Ok([&alone.as_bytes(), index.as_flattened(), description, &global, &level].concat())
+    joined(&[&alone.as_bytes(), index.as_flattened(), description, &global, &level])
 }
 
 /// BasisLZ's global data without the images of other levels.
@@ -68,7 +68,7 @@ fn first_image_alone(reader: &Reader<&[u8]>, header: &Header) -> Result<Vec<u8>,
     let first = global.get(..GLOBAL_HEADER_BYTES + IMAGE_BYTES);
     let rest = global.get(GLOBAL_HEADER_BYTES.saturating_add(images)..);
     let parts = first.zip(rest).ok_or_else(|| malformed("its global data is too short for its levels"))?;
-    Ok([parts.0, parts.1].concat())
+    joined(&[parts.0, parts.1])
 }
 
 /// Bytes of the first level when decompressed.

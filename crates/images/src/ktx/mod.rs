@@ -13,6 +13,7 @@ use ruzstd::decoding::StreamingDecoder;
 use crate::bitmap::{Bitmap, Texels};
 use crate::error::Problem;
 use crate::format::Format;
+use crate::guard::joined;
 use crate::limits::Limits;
 
 pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Bitmap, Problem> {
@@ -49,7 +50,7 @@ fn level(reader: &Reader<&[u8]>, bytes: usize) -> Result<Vec<u8>, Problem> {
     let data = first_level(reader)?;
     let short = |length: usize| malformed(format!("its first level has {length} bytes, it needs {bytes}"));
     match reader.header().supercompression_scheme {
-        None => data.get(..bytes).map(<[u8]>::to_vec).ok_or_else(|| short(data.len())),
+        None => joined(&[data.get(..bytes).ok_or_else(|| short(data.len()))?]),
         Some(SupercompressionScheme::Zstandard) => {
             let decoder = StreamingDecoder::new(data).map_err(malformed)?;
             // The list grows with what is there, not with what the header declares.

@@ -8,10 +8,12 @@ use exr::meta::attribute::SampleType;
 use exr::prelude::f16;
 use rayon::prelude::*;
 
-use super::layer::Layer;
-use super::{malformed, problem};
+use super::colors::Kind;
+use super::layer::{Channel, Layer};
+use super::{chroma, malformed, problem, unsupported};
 use crate::error::Problem;
-use crate::guard::{filled, radiance};
+use crate::format::Format;
+use crate::guard::{caught, filled, joined};
 
 /// Number of integers in the header of a DWA block: version, nine sizes and counts, a method.
 const DWA_HEADER_NUMBERS: usize = 11;
@@ -34,16 +36,31 @@ pub(super) fn decode(layer: &Layer<'_>) -> Result<Vec<[f32; 3]>, Problem> {
         let (column, row) = (i % across, i / across);
         Ok(Block { column, row, data: find(layer, u64::from_le_bytes(*offset), column, row)? })
     });
-    let blocks = blocks.collect::<Result<Vec<_>, _>>()?;
+    let blocks = caught(Format::Exr, || blocks.collect::<Result<Vec<_>, _>>())?;
     let mut pixels = filled(layer.width * layer.height, [0.0; 3])?;
     let bands = pixels.par_chunks_mut(layer.width * layer.block_height).zip(blocks.par_chunks(across));
     bands.try_for_each(|(band, blocks)| {
         blocks.iter().try_for_each(|block| {
-            place(layer, &decompress(layer, block)?, block.column * layer.block_width, band);
-            Ok(())
+            caught(Format::Exr, || {
+                place(layer, &decompress(layer, block)?, block, band);
+                Ok(())
+            })
         })
     })?;
+    finish(layer, &mut pixels);
     Ok(pixels)
+}
+
+/// Fills in what lies between samples, and makes colours of luminance and chroma.
+fn finish(layer: &Layer<'_>, pixels: &mut [[f32; 3]]) {
+    for channel in layer.channels.iter().filter(|channel| channel.sampling != [1, 1]) {
+        for component in channel.components {
+            chroma::fill_in(pixels, layer.width, *component, channel.sampling);
+        }
+    }
+    if layer.kind == Kind::LuminanceChroma {
+        pixels.par_iter_mut().for_each(|pixel| *pixel = chroma::rgb(*pixel, layer.weights));
+    }
 }
 
 /// Compressed bytes of the block that begins at `offset`, which has to be the one at `column` and `row`.
@@ -54,8 +71,8 @@ fn find<'a>(layer: &Layer<'a>, offset: u64, column: usize, row: usize) -> Result
         true => Ok(()),
         false => Err(malformed("its table of blocks leads to the wrong ones")),
     };
-    if layer.meta.requirements.has_multiple_layers {
-        expect(layer.index as i64)?;
+    if let Some(number) = layer.number {
+        expect(number as i64)?;
     }
     if layer.is_tiled() {
         [column as i64, row as i64, 0, 0].into_iter().try_for_each(&mut expect)?;
@@ -74,7 +91,7 @@ fn line(layer: &Layer<'_>, row: usize) -> i64 {
 }
 
 fn decompress(layer: &Layer<'_>, block: &Block<'_>) -> Result<UncompressedBlock, Problem> {
-    let compressed_pixels_le = block.data.to_vec();
+    let compressed_pixels_le = joined(&[block.data])?;
     let compressed_block = if layer.is_tiled() {
         let coordinates = TileCoordinates { tile_index: Vec2(block.column, block.row), level_index: Vec2(0, 0) };
         CompressedBlock::Tile(CompressedTileBlock { coordinates, compressed_pixels_le })
@@ -82,8 +99,22 @@ fn decompress(layer: &Layer<'_>, block: &Block<'_>) -> Result<UncompressedBlock,
         let y_coordinate = i32::try_from(line(layer, block.row)).map_err(malformed)?;
         CompressedBlock::ScanLine(CompressedScanLineBlock { y_coordinate, compressed_pixels_le })
     };
-    let chunk = Chunk { layer_index: layer.index, compressed_block };
-    UncompressedBlock::decompress_chunk(chunk, &layer.meta, false).map_err(problem)
+    let chunk = Chunk { layer_index: 0, compressed_block };
+    if !layer.is_subsampled() {
+        return UncompressedBlock::decompress_chunk(chunk, &layer.meta, false).map_err(problem);
+    }
+    // The library multiplies pixels by the bytes of one: where some have fewer samples, the mean gives what it should.
+    let (width, first, height) = extent(layer, block.column, block.row);
+    let mut meta = layer.meta.clone();
+    meta.headers[0].channels.bytes_per_pixel = layer.bytes(width, first, height) / (width * height);
+    UncompressedBlock::decompress_chunk(chunk, &meta, false).map_err(problem)
+}
+
+/// Width of a block, its first line counted from the top of the image, and its height.
+fn extent(layer: &Layer<'_>, column: usize, row: usize) -> (usize, usize, usize) {
+    let width = layer.block_width.min(layer.width - column * layer.block_width);
+    let first = row * layer.block_height;
+    (width, first, layer.block_height.min(layer.height - first))
 }
 
 fn next(bytes: &mut &[u8]) -> Result<i64, Problem> {
@@ -97,9 +128,11 @@ fn next(bytes: &mut &[u8]) -> Result<i64, Problem> {
 /// to eight.
 fn check(layer: &Layer<'_>, data: &[u8], column: usize, row: usize) -> Result<(), Problem> {
     let header = layer.header();
-    let width = layer.block_width.min(layer.width - column * layer.block_width);
-    let height = layer.block_height.min(layer.height - row * layer.block_height);
-    let bytes = width * height * header.channels.bytes_per_pixel;
+    let (width, first, height) = extent(layer, column, row);
+    let bytes = layer.bytes(width, first, height);
+    if !bytes.is_multiple_of(width * height) {
+        return Err(unsupported("its channels have too different numbers of samples; write R, G and B in full"));
+    }
     let is_dwa = matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_));
     let most_ratio = if is_dwa { MOST_DWA_RATIO } else { MOST_RATIO };
     if data.len() < bytes / most_ratio {
@@ -116,32 +149,51 @@ fn check(layer: &Layer<'_>, data: &[u8], column: usize, row: usize) -> Result<()
     if sizes.all(|size| size <= most) { Ok(()) } else { Err(malformed("a block declares a size beyond its pixels")) }
 }
 
-/// Copies a block's colours into a row of blocks, where the block begins at pixel `left`.
-fn place(layer: &Layer<'_>, block: &UncompressedBlock, left: usize, band: &mut [[f32; 3]]) {
-    let width = block.index.pixel_size.width();
-    let line_bytes = width * layer.header().channels.bytes_per_pixel;
-    for (line, row) in block.data.chunks_exact(line_bytes).zip(band.chunks_exact_mut(layer.width)) {
-        for (component, channel) in layer.channels.iter().enumerate() {
-            let Some(channel) = channel else { continue };
-            let samples = &line[width * channel.before..];
-            let pixels = &mut row[left..left + width];
-            match channel.kind {
-                SampleType::F16 => copy(samples, pixels, component, |bytes| half(u16::from_ne_bytes(bytes))),
-                SampleType::F32 => {
-                    copy(samples, pixels, component, |bytes| radiance(f32::from_ne_bytes(bytes), f32::MAX))
-                }
-                SampleType::U32 => copy(samples, pixels, component, |bytes| u32::from_ne_bytes(bytes) as f32),
+/// Copies a block's samples into a row of blocks: each to the pixel at which it stands.
+fn place(layer: &Layer<'_>, decompressed: &UncompressedBlock, block: &Block<'_>, band: &mut [[f32; 3]]) {
+    let (width, first, height) = extent(layer, block.column, block.row);
+    let left = block.column * layer.block_width;
+    let mut data = &decompressed.data[..];
+    for (line, row) in (first..first + height).zip(band.chunks_exact_mut(layer.width)) {
+        let pixels = &mut row[left..left + width];
+        for channel in &layer.channels {
+            let [across, down] = channel.sampling;
+            if line % down != 0 {
+                continue;
+            }
+            let (samples, rest) = data.split_at(width / across * channel.kind.bytes_per_sample());
+            data = rest;
+            for component in channel.components {
+                copy_channel(layer.kind, channel, samples, pixels, *component);
             }
         }
     }
 }
 
-fn half(bits: u16) -> f32 {
-    radiance(f16::from_bits(bits).to_f32(), f16::MAX.to_f32())
+fn copy_channel(kind: Kind, channel: &Channel, samples: &[u8], pixels: &mut [[f32; 3]], component: usize) {
+    // Chroma may be negative.
+    let least = if kind == Kind::LuminanceChroma { f32::MIN } else { 0.0 };
+    let bounded =
+        |value: f32, largest: f32| if value.is_nan() { 0.0 } else { value.clamp(least.max(-largest), largest) };
+    let half = |bits: u16| bounded(f16::from_bits(bits).to_f32(), f16::MAX.to_f32());
+    let across = channel.sampling[0];
+    match channel.kind {
+        SampleType::F16 => copy(samples, pixels, across, component, |bytes| half(u16::from_ne_bytes(bytes))),
+        SampleType::F32 => {
+            copy(samples, pixels, across, component, |bytes| bounded(f32::from_ne_bytes(bytes), f32::MAX))
+        }
+        SampleType::U32 => copy(samples, pixels, across, component, |bytes| u32::from_ne_bytes(bytes) as f32),
+    }
 }
 
-fn copy<const N: usize>(samples: &[u8], pixels: &mut [[f32; 3]], component: usize, value: impl Fn([u8; N]) -> f32) {
-    for (sample, pixel) in samples.as_chunks().0.iter().zip(pixels) {
+fn copy<const N: usize>(
+    samples: &[u8],
+    pixels: &mut [[f32; 3]],
+    across: usize,
+    component: usize,
+    value: impl Fn([u8; N]) -> f32,
+) {
+    for (sample, pixel) in samples.as_chunks().0.iter().zip(pixels.iter_mut().step_by(across)) {
         pixel[component] = value(*sample);
     }
 }

@@ -1,22 +1,29 @@
-//! OpenEXR: the full resolution of the first layer with colour, the pixels of its data window.
+//! OpenEXR: the full resolution of one layer with colour, the pixels of its data window.
 //!
 //! The library reads the header and decompresses blocks. What lies between - where blocks are, how large they may be -
-//! is done here, because the library reserves what a file declares and ends the program where that is too much.
+//! is done here, because the library reserves what a file declares and ends the program where that is too much; so are
+//! channels with fewer samples than pixels, which it does not know.
 
 mod blocks;
+mod chroma;
+mod colors;
 mod layer;
 
 use crate::bitmap::{Bitmap, Texels};
 use crate::error::Problem;
 use crate::format::Format;
+use crate::guard::caught;
 use crate::limits::Limits;
+use crate::load::Image;
 use layer::Layer;
 
-pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Bitmap, Problem> {
-    let layer = Layer::find(bytes, limits)?;
+pub(crate) fn decode(bytes: &[u8], limits: &Limits) -> Result<Image, Problem> {
+    let mut layer = caught(Format::Exr, || Layer::find(bytes, limits))?;
+    let warnings = layer.warning.take().into_iter().collect();
     let texels = Texels::Rgb32F(blocks::decode(&layer)?);
     // The limits have made sure that the sides fit.
-    Ok(Bitmap { width: layer.width as u32, height: layer.height as u32, texels })
+    let bitmap = Bitmap { width: layer.width as u32, height: layer.height as u32, texels };
+    Ok(Image { bitmap, warnings })
 }
 
 fn malformed(reason: impl std::fmt::Display) -> Problem {

@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use super::asset::Asset;
 use super::document::{Animation, AnimationSampler, Channel, Interpolation, Path};
 use super::fault::at;
-use super::nodes::Pose;
+use super::nodes::{Pose, rotation};
 use crate::error::Fault;
 use crate::text::quoted;
 
@@ -87,13 +87,12 @@ impl Curve<'_> {
     fn rotation(&self, seconds: f64) -> Result<DQuat, Fault> {
         let span = self.span(seconds)?;
         let quaternion = |v: Vec<f64>| DQuat::from_xyzw(v[0], v[1], v[2], v[3]);
-        let rotation = if self.sampler.interpolation == Interpolation::Linear {
-            let [a, b] = span.keys.map(|key| self.value(key, 0).map(quaternion));
-            a?.normalize().slerp(b?.normalize(), span.fraction)
-        } else {
-            quaternion(self.interpolated(&span)?).normalize()
-        };
-        if rotation.is_finite() { Ok(rotation) } else { Err(at(self.path, "the rotations should be unit quaternions")) }
+        let unit = |v| rotation(quaternion(v), format_args!("{}: a rotation", self.path), &self.asset.warnings);
+        if self.sampler.interpolation == Interpolation::Linear {
+            let [a, b] = span.keys.map(|key| self.value(key, 0).map(unit));
+            return Ok(a?.slerp(b?, span.fraction));
+        }
+        Ok(unit(self.interpolated(&span)?))
     }
 
     fn sample(&self, seconds: f64) -> Result<Vec<f64>, Fault> {

@@ -8,7 +8,7 @@ use super::document::data::Kind;
 use super::document::{Accessor, Buffer, Document};
 use super::fault::{Budget, Warnings, at};
 use super::resources::{Resources, fetch};
-use super::{GltfOptions, meshopt, validate};
+use super::{GltfOptions, mend, meshopt, validate};
 use crate::error::Fault;
 
 pub(super) struct Asset<'a> {
@@ -21,19 +21,20 @@ pub(super) struct Asset<'a> {
 }
 
 impl<'a> Asset<'a> {
-    /// Checks the document and loads its buffers; memory is granted in proportion to `file_bytes` and theirs.
+    /// Mends and checks the document and loads its buffers; memory is granted in proportion to `file_bytes` and theirs.
     pub(super) fn load(
         container: Container<'a>,
+        warnings: Warnings,
         file_bytes: usize,
         resources: &dyn Resources,
         options: &GltfOptions,
     ) -> Result<Self, Fault> {
-        let Container { document, binary } = container;
+        let Container { mut document, binary } = container;
+        mend::mend(&mut document, &warnings);
         validate::check(&document)?;
-        let buffers = load_buffers(&document, binary, resources, options.most_bytes)?;
+        let buffers = load_buffers(&document, binary, resources, options.most_bytes, &warnings)?;
         let loaded: usize = buffers.iter().flatten().map(|bytes| bytes.len()).sum();
         let budget = Budget::new(file_bytes.saturating_add(loaded) as u64, options.most_bytes);
-        let warnings = Warnings::default();
         let mut asset = Self { document, budget, warnings, buffers, decompressed: HashMap::new() };
         asset.decompress()?;
         Ok(asset)
@@ -197,12 +198,14 @@ fn load_buffers<'a>(
     binary: Option<&'a [u8]>,
     resources: &dyn Resources,
     most_bytes: u64,
+    warnings: &Warnings,
 ) -> Result<Vec<Option<Cow<'a, [u8]>>>, Fault> {
     let mut left = most_bytes;
     let mut buffers = Vec::new();
     for (number, buffer) in document.buffers.iter().enumerate() {
         let binary = binary.filter(|_| number == 0);
-        let bytes = load_buffer(buffer, binary, resources, left).map_err(|m| at(format!("buffers[{number}]"), m))?;
+        let bytes = load_buffer(buffer, binary, resources, left, warnings);
+        let bytes = bytes.map_err(|message| at(format!("buffers[{number}]"), message))?;
         if let Some(Cow::Owned(bytes)) = &bytes {
             let too_much =
                 || at(format!("buffers[{number}]"), format!("the buffers have more than {most_bytes} bytes"));
@@ -219,10 +222,11 @@ fn load_buffer<'a>(
     binary: Option<&'a [u8]>,
     resources: &dyn Resources,
     most_bytes: u64,
+    warnings: &Warnings,
 ) -> Result<Option<Cow<'a, [u8]>>, String> {
     let bytes = match (&buffer.uri, binary) {
         _ if buffer.is_fallback() => return Ok(None),
-        (Some(uri), _) => Cow::Owned(fetch(uri, resources, most_bytes)?),
+        (Some(uri), _) => Cow::Owned(fetch(uri, resources, most_bytes, warnings)?),
         (None, Some(binary)) => Cow::Borrowed(binary),
         (None, None) => return Ok(None),
     };

@@ -1,9 +1,10 @@
 //! Documents from bytes: GLB or plain JSON.
 
-use serde_json::Deserializer;
+use serde_json::{Deserializer, Value};
 
 use super::document::Document;
-use super::fault::at;
+use super::fault::{Warnings, at};
+use super::nulls;
 use crate::error::{Fault, Place};
 use crate::text::escaped;
 
@@ -11,6 +12,8 @@ const MAGIC: &[u8; 4] = b"glTF";
 const JSON_CHUNK: &[u8; 4] = b"JSON";
 const BINARY_CHUNK: &[u8; 4] = b"BIN\0";
 const HEADER_BYTES: usize = 12;
+/// Most bytes of a document that is read once more to see what is wrong with it, which takes many times as much memory.
+const MOST_BYTES_OF_SECOND_LOOK: usize = 64 << 20;
 
 /// A file taken apart.
 pub(super) struct Container<'a> {
@@ -20,9 +23,9 @@ pub(super) struct Container<'a> {
 }
 
 /// Takes a .glb or .gltf apart; the first bytes tell which of them it is.
-pub(super) fn open(bytes: &[u8]) -> Result<Container<'_>, Fault> {
+pub(super) fn open<'a>(bytes: &'a [u8], warnings: &Warnings) -> Result<Container<'a>, Fault> {
     if !bytes.starts_with(MAGIC) {
-        return Ok(Container { document: parse(bytes, true)?, binary: None });
+        return Ok(Container { document: parse(bytes, true, warnings)?, binary: None });
     }
     let chunks = chunks(bytes)?;
     let (kind, json) = chunks.first().ok_or_else(|| Fault::new(Place::Byte(HEADER_BYTES), "there is no JSON chunk"))?;
@@ -31,7 +34,7 @@ pub(super) fn open(bytes: &[u8]) -> Result<Container<'_>, Fault> {
     }
     // Chunks of other types are to be ignored.
     let binary = chunks.get(1).filter(|(kind, _)| *kind == BINARY_CHUNK).map(|(_, data)| *data);
-    Ok(Container { document: parse(json, false)?, binary })
+    Ok(Container { document: parse(json, false, warnings)?, binary })
 }
 
 type Chunk<'a> = (&'a [u8; 4], &'a [u8]);
@@ -43,7 +46,10 @@ fn chunks(bytes: &[u8]) -> Result<Vec<Chunk<'_>>, Fault> {
     let version = header(4).ok_or_else(ends)?;
     let length = header(8).ok_or_else(ends)?;
     if version != 2 {
-        return Err(Fault::new(Place::Byte(4), format!("is GLB of version {version}: version 2 is read")));
+        return Err(Fault::new(
+            Place::Byte(4),
+            format!("is GLB of version {version}: version 2, of glTF 2.0, is read"),
+        ));
     }
     let file = bytes.get(..length).filter(|file| file.len() >= HEADER_BYTES).ok_or_else(|| {
         let message = format!("the file should have {length} bytes as its header says: it has {}", bytes.len());
@@ -74,24 +80,68 @@ fn chunk(file: &[u8], position: usize) -> Result<(Chunk<'_>, usize), Fault> {
 }
 
 /// Document of a JSON text; with `has_lines`, line numbers mean something to people.
-fn parse(json: &[u8], has_lines: bool) -> Result<Document, Fault> {
+fn parse(json: &[u8], has_lines: bool, warnings: &Warnings) -> Result<Document, Fault> {
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
-    let mut reader = Deserializer::from_slice(json);
-    let document: Document = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
-        let path = error.path().to_string();
-        let inner = error.into_inner();
-        let mut message = inner.to_string();
-        let line = inner.line();
-        if let Some(end) = message.rfind(" at line ") {
-            message.truncate(end);
-        }
-        let message = if path == "." { message } else { format!("{path}: {message}") };
-        let message = shortened(&escaped(&message));
-        if has_lines && line > 0 { Fault::line(line, message) } else { Fault::whole(message) }
-    })?;
-    reader.end().map_err(|_| Fault::whole("nothing should follow the JSON of the document"))?;
+    if is_utf16(json) {
+        return Err(Fault::whole("is written in UTF-16: glTF is UTF-8, save it as that"));
+    }
+    // Some programs fill chunks up with zeros, where spaces should be.
+    let end = json.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
+    if end < json.len() {
+        warnings.push("zeros follow the JSON of the document, where only spaces should: they are not read");
+    }
+    let document = deserialize(&json[..end], has_lines).or_else(|fault| second_look(&json[..end], fault, warnings))?;
     check_version(&document)?;
     Ok(document)
+}
+
+/// Whether a text begins with a byte order mark of UTF-16, or with an ASCII character in it.
+fn is_utf16(json: &[u8]) -> bool {
+    matches!(json, [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [0, 1..=0x7f, ..] | [1..=0x7f, 0, ..])
+}
+
+fn deserialize(json: &[u8], has_lines: bool) -> Result<Document, Fault> {
+    let mut reader = Deserializer::from_slice(json);
+    let document = serde_path_to_error::deserialize(&mut reader).map_err(|error| fault(error, has_lines))?;
+    reader.end().map_err(|_| Fault::whole("nothing should follow the JSON of the document"))?;
+    Ok(document)
+}
+
+fn fault(error: serde_path_to_error::Error<serde_json::Error>, has_lines: bool) -> Fault {
+    let path = error.path().to_string();
+    let inner = error.into_inner();
+    let mut message = inner.to_string();
+    let line = inner.line();
+    if let Some(end) = message.rfind(" at line ") {
+        message.truncate(end);
+    }
+    let message = if path == "." { message } else { format!("{path}: {message}") };
+    let message = shortened(&escaped(&message));
+    if has_lines && line > 0 { Fault::line(line, message) } else { Fault::whole(message) }
+}
+
+/// Document of a text that is not one of glTF 2.0 as it stands, if that can be helped; `first` says what was found.
+fn second_look(json: &[u8], first: Fault, warnings: &Warnings) -> Result<Document, Fault> {
+    if json.len() > MOST_BYTES_OF_SECOND_LOOK {
+        return Err(first);
+    }
+    let Ok(mut value) = serde_json::from_slice::<Value>(json) else { return Err(first) };
+    if let Some(version) = value.pointer("/asset/version").and_then(old_version) {
+        return Err(Fault::whole(format!("is glTF {version}: 2.0 is read")));
+    }
+    let removed = nulls::remove(&mut value);
+    if removed.is_empty() {
+        return Err(first);
+    }
+    let document = serde_path_to_error::deserialize(value).map_err(|error| fault(error, false))?;
+    removed.iter().for_each(|path| warnings.push(format!("{path} is null: its default is used")));
+    Ok(document)
+}
+
+/// A version below 2, which some of those programs write as a number.
+fn old_version(version: &Value) -> Option<String> {
+    let number = version.as_f64().or_else(|| version.as_str()?.parse().ok())?;
+    (0.0..2.0).contains(&number).then(|| format!("{number:.1}"))
 }
 
 /// The message cut short: it quotes the file, which may be long.
@@ -114,6 +164,9 @@ fn check_version(document: &Document) -> Result<(), Fault> {
         Some((2, _)) => asset.min_version.is_none(),
         _ => false,
     };
-    let shown = crate::text::quoted(needed.as_bytes());
-    if is_read { Ok(()) } else { Err(at("asset.version", format!("is {shown}: glTF 2.0 is read"))) }
+    match version {
+        _ if is_read => Ok(()),
+        Some((major, minor)) => Err(Fault::whole(format!("is glTF {major}.{minor}: 2.0 is read"))),
+        None => Err(at("asset.version", format!("is {}: it should be `2.0`", crate::text::quoted(needed.as_bytes())))),
+    }
 }

@@ -104,13 +104,20 @@ pub(super) struct Camera {
     #[serde(default)]
     pub name: String,
     pub perspective: Option<Perspective>,
+    pub orthographic: Option<Orthographic>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Clone, Copy)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Perspective {
     pub yfov: f32,
     pub aspect_ratio: Option<f32>,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+pub(super) struct Orthographic {
+    pub xmag: f32,
+    pub ymag: f32,
 }
 
 #[derive(Deserialize, Default)]

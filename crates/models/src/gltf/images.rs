@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use raggio_images::{Bitmap, Limits, Texels, decode};
+use raggio_images::{Bitmap, Image, Limits, Texels};
 use rayon::prelude::*;
 
 use super::GltfOptions;
@@ -67,17 +67,18 @@ impl Images {
             .into_par_iter()
             .map(|(image, file)| (image, file.and_then(|file| decode_within(&file, left))))
             .collect();
-        for (image, result) in decoded {
-            let bitmap = result.map(Arc::new).map_err(|message| {
-                let name = &asset.document.images[image].name;
-                let name = if name.is_empty() {
-                    String::new()
-                } else {
-                    format!(", {},", crate::text::quoted(name.as_bytes()))
-                };
-                asset.warnings.push(format!("image {image}{name} is left out: {message}"));
+        for (number, result) in decoded {
+            let name = &asset.document.images[number].name;
+            let name =
+                if name.is_empty() { String::new() } else { format!(" {}", crate::text::quoted(name.as_bytes())) };
+            let image = result.map_err(|message| {
+                let name = if name.is_empty() { String::new() } else { format!(",{name},") };
+                asset.warnings.push(format!("image {number}{name} is left out: {message}"));
             });
-            self.bitmaps.insert(image, bitmap.ok());
+            for warning in image.iter().flat_map(|image| &image.warnings) {
+                asset.warnings.push(format!("image {number}{name}: {warning}"));
+            }
+            self.bitmaps.insert(number, image.ok().map(|image| Arc::new(image.bitmap)));
         }
     }
 }
@@ -96,7 +97,7 @@ fn bytes<'a>(
 ) -> Result<Cow<'a, [u8]>, String> {
     let image = &asset.document.images[number];
     match (&image.uri, image.buffer_view) {
-        (Some(uri), _) => fetch(uri, resources, most_bytes).map(Cow::Owned),
+        (Some(uri), _) => fetch(uri, resources, most_bytes, &asset.warnings).map(Cow::Owned),
         (None, Some(view)) => {
             let bytes = asset.view(view, &format!("images[{number}].bufferView"));
             bytes.map(Cow::Borrowed).map_err(|fault| fault.of("").message)
@@ -106,12 +107,13 @@ fn bytes<'a>(
 }
 
 /// Decodes an image and takes its texels from what is left for all of them.
-fn decode_within(file: &[u8], left: &AtomicU64) -> Result<Bitmap, String> {
+fn decode_within(file: &[u8], left: &AtomicU64) -> Result<Image, String> {
     let limits = Limits { most_bytes: left.load(Ordering::Relaxed), ..Limits::default() };
-    let bitmap = decode(file, &limits).map_err(|error| format!("it {error}"))?;
-    let taken = left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(size(&bitmap)));
-    taken.map_err(|left| format!("it takes {} bytes: at most {left} are left for images", size(&bitmap)))?;
-    Ok(bitmap)
+    let image = Image::decode(file, &limits).map_err(|error| format!("it {error}"))?;
+    let size = size(&image.bitmap);
+    let taken = left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(size));
+    taken.map_err(|left| format!("it takes {size} bytes: at most {left} are left for images"))?;
+    Ok(image)
 }
 
 /// Size of the texels in bytes.

@@ -5,9 +5,7 @@ mod glossiness;
 use std::sync::Arc;
 
 use super::asset::Asset;
-use super::document::material::{
-    AlphaMode as Alpha, MagFilter, MaterialExtensions, TextureInfo, Transform, Volume, Wrap as Wrapped,
-};
+use super::document::material::{AlphaMode as Alpha, MaterialExtensions, TextureInfo, Transform, Volume};
 use super::document::{Material as Written, Sampler};
 use super::fault::at;
 use super::images::Images;
@@ -116,8 +114,9 @@ impl Translator<'_> {
         surface.attenuation_color = self.unit3("attenuationColor", volume.attenuation_color);
         surface.attenuation_distance = volume.attenuation_distance;
         if volume.attenuation_distance <= 0.0 {
-            let message = format!("is {}: it should be greater than 0", volume.attenuation_distance);
-            return Err(at(format!("{}.attenuationDistance", self.path), message));
+            // Programs that have no way to write infinity write this.
+            self.warn("attenuationDistance", &format!("is {}: nothing is absorbed", volume.attenuation_distance));
+            surface.attenuation_distance = f32::INFINITY;
         }
         if volume.thickness_texture.is_some() {
             self.warn("thicknessTexture", "is not used: the body is as thick as its surface makes it");
@@ -182,7 +181,34 @@ impl Translator<'_> {
         }
         let texture = Texture { uv_set: uv_set as u8, transform: rows, ..Texture::new(image) };
         let sampler = self.asset.document.textures[info.index].sampler;
-        Ok(Some(sampler.map_or(texture.clone(), |sampler| sampled(texture, &self.asset.document.samplers[sampler]))))
+        Ok(Some(sampler.map_or(texture.clone(), |sampler| self.sampled(texture, sampler))))
+    }
+
+    fn sampled(&self, texture: Texture, number: usize) -> Texture {
+        let Sampler { mag_filter, wrap_s, wrap_t } = self.asset.document.samplers[number];
+        let warn = |key: &str, code: u32, default: &str| {
+            self.asset
+                .warnings
+                .push(format!("samplers[{number}].{key} is {code}, which has no meaning: {default} is used"));
+        };
+        let wrap = |key: &str, code: Option<u32>| match code {
+            Some(33071) => Wrap::ClampToEdge,
+            Some(33648) => Wrap::MirroredRepeat,
+            None | Some(10497) => Wrap::Repeat,
+            Some(code) => {
+                warn(key, code, "10497 (repeat)");
+                Wrap::Repeat
+            }
+        };
+        let filter = match mag_filter {
+            Some(9728) => TextureFilter::Nearest,
+            None | Some(9729) => TextureFilter::Linear,
+            Some(code) => {
+                warn("magFilter", code, "9729 (linear)");
+                TextureFilter::Linear
+            }
+        };
+        Texture { wrap: [wrap("wrapS", wrap_s), wrap("wrapT", wrap_t)], filter, ..texture }
     }
 
     fn warn(&self, name: &str, message: &str) {
@@ -233,21 +259,8 @@ fn rows(transform: &Transform) -> [[f32; 3]; 2] {
     [[x * cosine, y * sine, u], [-x * sine, y * cosine, v]]
 }
 
-fn sampled(texture: Texture, sampler: &Sampler) -> Texture {
-    let wrap = |wrap: Wrapped| match wrap {
-        Wrapped::ClampToEdge => Wrap::ClampToEdge,
-        Wrapped::MirroredRepeat => Wrap::MirroredRepeat,
-        Wrapped::Repeat => Wrap::Repeat,
-    };
-    let filter = match sampler.mag_filter {
-        MagFilter::Nearest => TextureFilter::Nearest,
-        MagFilter::Linear => TextureFilter::Linear,
-    };
-    Texture { wrap: [wrap(sampler.wrap_s), wrap(sampler.wrap_t)], filter, ..texture }
-}
-
-/// Makes a material unlit (KHR_materials_unlit): the reflected colour is emitted, and nothing is reflected. The texture
-/// stays for its alpha.
+/// Makes a material unlit (KHR_materials_unlit): the reflected colour is emitted, that of vertices included, and nothing is
+/// reflected. The texture stays for its alpha.
 fn make_unlit(surface: &mut Principled) {
     *surface = Principled {
         base_color: [0.0; 3],
@@ -256,7 +269,7 @@ fn make_unlit(surface: &mut Principled) {
         alpha_mode: surface.alpha_mode,
         emissive: surface.base_color,
         emissive_texture: surface.base_color_texture.clone(),
-        emission_has_vertex_color: true,
+        emissive_by_vertex_color: true,
         specular: 0.0,
         ..Principled::default()
     };

@@ -4,7 +4,7 @@
 //! crate `gltf` was not chosen because it panics on some damaged files, accepts others that are invalid (loops of
 //! nodes, buffer views that are too long), and lacks most of the extensions.
 //!
-//! Data goes from bytes to `Container`, checked `Document` and `Asset` with buffers, then to images, materials and the
+//! Data goes from bytes to `Container`, mended and checked `Document` and `Asset` with buffers, then to images, materials and the
 //! nodes' poses, and last to the model.
 //!
 //! Some things of a file have no meaning here and are passed over in silence: `doubleSided` (both sides of a surface
@@ -21,9 +21,11 @@ mod extensions;
 mod fault;
 mod images;
 mod materials;
+mod mend;
 mod mesh;
 mod meshopt;
 mod nodes;
+mod nulls;
 mod place;
 mod pose;
 mod resources;
@@ -37,6 +39,7 @@ use crate::file::{LoadOptions, MOST_BYTES, read};
 use crate::model::Model;
 use crate::text::escaped;
 use asset::Asset;
+use fault::Warnings;
 use images::Images;
 use nodes::Pose;
 use place::Builder;
@@ -99,14 +102,15 @@ pub fn parse_gltf(
 }
 
 fn convert(bytes: &[u8], resources: &dyn Resources, options: &GltfOptions) -> Result<Model, Fault> {
-    let container = container::open(bytes)?;
+    let warnings = Warnings::default();
+    let container = container::open(bytes, &warnings)?;
     extensions::check_required(&container.document)?;
-    let asset = Asset::load(container, bytes.len(), resources, options)?;
+    let asset = Asset::load(container, warnings, bytes.len(), resources, options)?;
     extensions::warn(&asset);
     let order = validate::roots_first(&asset.document.nodes)?;
     let roots = nodes::roots(&asset.document, options.scene, &order)?;
 
-    let mut pose = Pose::at_rest(&asset.document)?;
+    let mut pose = Pose::at_rest(&asset)?;
     match options.time_seconds {
         Some(seconds) => animation::apply(&asset, seconds, &mut pose)?,
         None => warn_of_animations(&asset),

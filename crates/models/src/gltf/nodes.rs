@@ -1,11 +1,13 @@
 //! Placement of nodes: their own transforms, and those of their parents applied to them.
 
 use std::collections::HashMap;
+use std::fmt::Display;
 
 use glam::{DAffine3, DQuat, DVec3};
 
+use super::asset::Asset;
 use super::document::{Document, Node};
-use super::fault::at;
+use super::fault::{Warnings, at};
 use super::pose::affine;
 use crate::error::Fault;
 
@@ -31,9 +33,9 @@ enum Local {
 
 impl Pose {
     /// Pose that the document gives.
-    pub(super) fn at_rest(document: &Document) -> Result<Self, Fault> {
-        let local = |(number, node)| local(node).map_err(|message| at(format!("nodes[{number}]"), message));
-        let locals = document.nodes.iter().enumerate().map(local).collect::<Result<_, _>>()?;
+    pub(super) fn at_rest(asset: &Asset<'_>) -> Result<Self, Fault> {
+        let local = |(number, node)| local(node, &format!("nodes[{number}]"), &asset.warnings);
+        let locals = asset.document.nodes.iter().enumerate().map(local).collect::<Result<_, _>>()?;
         Ok(Self { locals, weights: HashMap::new() })
     }
 
@@ -79,22 +81,30 @@ impl Place {
     }
 }
 
-fn local(node: &Node) -> Result<Local, String> {
+/// The rotation of a quaternion of any length; one without length turns nothing, with a warning that begins with `what`.
+pub(super) fn rotation(quaternion: DQuat, what: impl Display, warnings: &Warnings) -> DQuat {
+    let unit = quaternion.normalize();
+    if unit.is_finite() {
+        return unit;
+    }
+    warnings.push(format!("{what} should be a unit quaternion and is {:?}: nothing is turned", quaternion.to_array()));
+    DQuat::IDENTITY
+}
+
+fn local(node: &Node, path: &str, warnings: &Warnings) -> Result<Local, Fault> {
     if let Some(matrix) = &node.matrix {
         let last_row = [matrix[3], matrix[7], matrix[11], matrix[15]];
         if last_row != [0.0, 0.0, 0.0, 1.0] {
-            return Err(format!("the last row of `matrix` is {last_row:?}: it should be 0, 0, 0, 1"));
+            return Err(at(path, format!("the last row of `matrix` is {last_row:?}: it should be 0, 0, 0, 1")));
         }
         if node.translation.is_some() || node.rotation.is_some() || node.scale.is_some() {
-            return Err("should have either a `matrix` or a `translation`, `rotation` and `scale`".to_string());
+            let beside = "a `translation`, `rotation` or `scale` beside its `matrix`";
+            warnings.push(format!("{path} has {beside}: the matrix alone is used"));
         }
         return Ok(Local::Matrix(affine(matrix)));
     }
-    let [x, y, z, w] = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
-    let rotation = DQuat::from_xyzw(x, y, z, w).normalize();
-    if !rotation.is_finite() {
-        return Err(format!("`rotation` is {:?}: it should be a unit quaternion", [x, y, z, w]));
-    }
+    let quaternion = DQuat::from_array(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
+    let rotation = rotation(quaternion, format_args!("{path}.rotation"), warnings);
     let translation = DVec3::from(node.translation.unwrap_or_default());
     Ok(Local::Place(Place { translation, rotation, scale: DVec3::from(node.scale.unwrap_or([1.0; 3])) }))
 }
@@ -105,12 +115,14 @@ pub(super) fn morph_targets(document: &Document, node: usize) -> usize {
     mesh.and_then(|mesh| mesh.primitives.first()).map_or(0, |primitive| primitive.targets.len())
 }
 
-/// The nodes that the scene shows, parents first, in the document's order.
+/// The nodes that the scene shows, each once, parents first, in the document's order.
 pub(super) fn visible(document: &Document, roots: &[usize]) -> Vec<usize> {
     let mut waiting: Vec<usize> = roots.iter().rev().copied().collect();
     let mut visible = Vec::new();
+    let mut is_met = vec![false; document.nodes.len()];
     while let Some(node) = waiting.pop() {
-        if !document.nodes[node].is_hidden() {
+        let is_new = !std::mem::replace(&mut is_met[node], true);
+        if is_new && !document.nodes[node].is_hidden() {
             visible.push(node);
             waiting.extend(document.nodes[node].children.iter().rev());
         }
@@ -121,7 +133,7 @@ pub(super) fn visible(document: &Document, roots: &[usize]) -> Vec<usize> {
 /// The roots of the scene of number `wanted`, or of the document's own choice.
 ///
 /// # Errors
-/// When there is no such scene, or when it lists a node twice or one that has a parent.
+/// When there is no such scene.
 pub(super) fn roots(
     document: &Document,
     wanted: Option<usize>,
@@ -135,13 +147,5 @@ pub(super) fn roots(
     let scene = document.scenes.get(number).ok_or_else(|| {
         at("scenes", format!("scene {number} is wanted: the file has {}, counted from 0", document.scenes.len()))
     })?;
-    let mut unlisted: std::collections::HashSet<usize> = all.collect();
-    match scene.nodes.iter().find(|node| !unlisted.remove(node)) {
-        None => Ok(scene.nodes.clone()),
-        Some(node) => {
-            let message =
-                format!("lists node {node}, which has a parent or is listed twice: it should list roots once");
-            Err(at(format!("scenes[{number}].nodes"), message))
-        }
-    }
+    Ok(scene.nodes.clone())
 }

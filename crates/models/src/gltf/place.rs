@@ -1,19 +1,20 @@
 //! Instances, lights and cameras made from nodes.
 
 use std::collections::HashMap;
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::sync::Arc;
 
 use glam::{DAffine3, DQuat, DVec3};
 
 use super::asset::Asset;
-use super::document::{Attributes, LightType, Node};
+use super::document::{Attributes, LightType, Node, Orthographic, Perspective, Spot};
 use super::fault::at;
 use super::mesh::RestMesh;
-use super::nodes::{Place, Pose};
+use super::nodes::{self, Place, Pose};
 use super::pose;
 use crate::error::Fault;
 use crate::mesh::Dropped;
-use crate::model::{Camera, Instance, Light, LightKind, Model};
+use crate::model::{Camera, Instance, Light, LightKind, Model, Projection};
 
 /// Fills a model, node by node.
 pub(super) struct Builder<'a> {
@@ -43,10 +44,10 @@ impl<'a> Builder<'a> {
             self.asset.warnings.push(format!("nodes[{number}]: its skin or instancing has no mesh to work on"));
         }
         if let Some(light) = node.light() {
-            self.add_light(node, light, &world)?;
+            self.add_light(node, light, &world);
         }
         if let Some(camera) = node.camera {
-            self.add_camera(node, camera, &world)?;
+            self.add_camera(node, camera, &world);
         }
         Ok(())
     }
@@ -139,7 +140,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn add_light(&mut self, node: &Node, number: usize, world: &DAffine3) -> Result<(), Fault> {
+    fn add_light(&mut self, node: &Node, number: usize, world: &DAffine3) {
         let light = &self.asset.document.extensions.lights.lights[number];
         let path = format!("extensions.KHR_lights_punctual.lights[{number}]");
         if light.range.is_some() {
@@ -148,43 +149,46 @@ impl<'a> Builder<'a> {
         let (color, strength) = (light.color.unwrap_or([1.0; 3]), light.intensity.unwrap_or(1.0));
         let intensity = color.map(|c| c * strength);
         if !intensity.iter().all(|i| i.is_finite() && *i >= 0.0) {
-            return Err(at(path, format!("the intensity is {intensity:?}: it should be finite and not negative")));
+            let message = format!("its intensity is {intensity:?}, and should be finite and not negative");
+            self.asset.warnings.push(format!("{path} is left out: {message}"));
+            return;
         }
         let kind = match light.kind {
             LightType::Directional => LightKind::Directional,
             LightType::Point => LightKind::Point,
-            LightType::Spot => {
-                let inner = light.spot.inner_cone_angle.unwrap_or(0.0);
-                let outer = light.spot.outer_cone_angle.unwrap_or(std::f32::consts::FRAC_PI_4);
-                // Files round the right angle up.
-                if !(inner >= 0.0 && inner < outer && outer <= std::f32::consts::FRAC_PI_2 + 1e-6) {
-                    let message =
-                        format!("the angles are {inner} and {outer}: they should be 0 <= inner < outer <= pi / 2");
-                    return Err(at(format!("{path}.spot"), message));
-                }
-                LightKind::Spot { inner, outer: outer.min(std::f32::consts::FRAC_PI_2) }
-            }
+            LightType::Spot => self.spot(&light.spot, &path),
         };
         let direction = world.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z);
         let name = name(&node.name, &light.name);
         self.model.lights.push(Light { name, intensity, position: world.translation, direction, kind });
-        Ok(())
     }
 
-    fn add_camera(&mut self, node: &Node, number: usize, world: &DAffine3) -> Result<(), Fault> {
+    /// A spot with its angles in order. Equal ones are common, though glTF has the outer one greater: they make a hard edge.
+    fn spot(&self, spot: &Spot, path: &str) -> LightKind {
+        let (written_inner, written_outer) = (spot.inner_cone_angle, spot.outer_cone_angle);
+        let (written_inner, written_outer) = (written_inner.unwrap_or(0.0), written_outer.unwrap_or(FRAC_PI_4));
+        let outer = written_outer.clamp(0.0, FRAC_PI_2);
+        let inner = written_inner.clamp(0.0, outer);
+        // Files round the right angle up.
+        if inner != written_inner || (outer - written_outer).abs() > 1e-6 {
+            let message = format!("the angles are {written_inner} and {written_outer}: {inner} and {outer} are used");
+            self.asset.warnings.push(format!("{path}.spot: {message}, for 0 <= inner <= outer <= pi / 2"));
+        }
+        LightKind::Spot { inner, outer }
+    }
+
+    fn add_camera(&mut self, node: &Node, number: usize, world: &DAffine3) {
         let camera = &self.asset.document.cameras[number];
-        let Some(perspective) = &camera.perspective else {
-            self.asset.warnings.push(format!("cameras[{number}] is left out: only perspective cameras can be used"));
-            return Ok(());
+        let projection = match (&camera.perspective, &camera.orthographic) {
+            (Some(perspective), _) => Some(self.perspective(perspective, number)),
+            (None, Some(orthographic)) => self.orthographic(orthographic, number),
+            (None, None) => {
+                let message = "it should be `perspective` or `orthographic`";
+                self.asset.warnings.push(format!("cameras[{number}] is left out: {message}"));
+                None
+            }
         };
-        let vertical_fov = perspective.yfov;
-        if !(vertical_fov > 0.0 && vertical_fov < std::f32::consts::PI) {
-            let message = format!("is {vertical_fov}: it should be between 0 and pi radians");
-            return Err(at(format!("cameras[{number}].perspective.yfov"), message));
-        }
-        if perspective.aspect_ratio.is_some_and(|aspect| !(aspect > 0.0 && aspect.is_finite())) {
-            return Err(at(format!("cameras[{number}].perspective.aspectRatio"), "should be positive and finite"));
-        }
+        let Some(projection) = projection else { return };
         let forward = world.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z);
         let up = world.transform_vector3(DVec3::Y).reject_from_normalized(forward);
         self.model.cameras.push(Camera {
@@ -192,10 +196,41 @@ impl<'a> Builder<'a> {
             position: world.translation,
             forward,
             up: up.normalize_or(forward.any_orthonormal_vector()),
-            vertical_fov,
-            aspect: perspective.aspect_ratio,
+            projection,
         });
-        Ok(())
+    }
+
+    fn perspective(&self, written: &Perspective, number: usize) -> Projection {
+        let Perspective { yfov: mut vertical_fov, aspect_ratio: mut aspect } = *written;
+        let warn = |key: &str, message: String| {
+            self.asset.warnings.push(format!("cameras[{number}].perspective.{key} is {message}"));
+        };
+        if !(vertical_fov > 0.0 && vertical_fov < PI) {
+            warn("yfov", format!("{vertical_fov}, and should be between 0 and pi radians: {FRAC_PI_4} is used"));
+            vertical_fov = FRAC_PI_4;
+        }
+        if let Some(written) = aspect.filter(|aspect| !(*aspect > 0.0 && aspect.is_finite())) {
+            warn("aspectRatio", format!("{written}, and should be positive and finite: it is not used"));
+            aspect = None;
+        }
+        Projection::Perspective { vertical_fov, aspect }
+    }
+
+    /// An orthographic projection; the sign of a magnification would mirror the picture, and is not used.
+    fn orthographic(&self, written: &Orthographic, number: usize) -> Option<Projection> {
+        let Orthographic { xmag, ymag } = *written;
+        let path = format!("cameras[{number}].orthographic");
+        if ![xmag, ymag].iter().all(|mag| *mag != 0.0 && mag.is_finite()) {
+            let message = format!("`xmag` and `ymag` are {xmag} and {ymag}, and should be finite and not 0");
+            self.asset.warnings.push(format!("cameras[{number}] is left out: {message}"));
+            return None;
+        }
+        if xmag < 0.0 || ymag < 0.0 {
+            self.asset
+                .warnings
+                .push(format!("{path}: `xmag` and `ymag` are {xmag} and {ymag}: their signs are not used"));
+        }
+        Some(Projection::Orthographic { xmag: xmag.abs(), ymag: ymag.abs() })
     }
 }
 
@@ -216,15 +251,12 @@ fn instances(asset: &Asset<'_>, attributes: &Attributes, path: &str) -> Result<V
     asset.budget.take(count, size_of::<Place>(), path)?;
     let place = |i: usize| {
         let rotation = rotations.as_ref().map_or(DQuat::IDENTITY, |list| DQuat::from_array(list[i].map(f64::from)));
-        let rotation = rotation.normalize();
-        if !rotation.is_finite() {
-            return Err(at(path, format!("the rotation of instance {i} should be a unit quaternion")));
-        }
+        let rotation = nodes::rotation(rotation, format_args!("{path}: the rotation of instance {i}"), &asset.warnings);
         let translation = translations.as_ref().map_or(DVec3::ZERO, |list| DVec3::from(list[i].map(f64::from)));
         let scale = scales.as_ref().map_or(DVec3::ONE, |list| DVec3::from(list[i].map(f64::from)));
-        Ok(Place { translation, rotation, scale })
+        Place { translation, rotation, scale }
     };
-    (0..count).map(place).collect()
+    Ok((0..count).map(place).collect())
 }
 
 fn instance_attribute<const N: usize>(

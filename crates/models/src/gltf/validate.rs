@@ -13,11 +13,7 @@ pub(super) use graph::roots_first;
 pub(super) fn check(document: &Document) -> Result<(), Fault> {
     data::check(document)?;
     for (i, image) in document.images.iter().enumerate() {
-        let path = format!("images[{i}]");
-        optional(&path, "bufferView", image.buffer_view, document.buffer_views.len())?;
-        if image.uri.is_none() && image.buffer_view.is_none() {
-            return Err(at(path, "should have a `uri` or a `bufferView`"));
-        }
+        optional(&format!("images[{i}]"), "bufferView", image.buffer_view, document.buffer_views.len())?;
     }
     each("textures", &document.textures, |path, texture| check_texture(document, path, texture))?;
     each("materials", &document.materials, |path, material| check_material(document, path, material))?;
@@ -70,20 +66,12 @@ fn check_mesh(document: &Document, path: &str, mesh: &Mesh) -> Result<(), Fault>
             return Err(at(path, "all primitives of a mesh should have the same number of morph targets"));
         }
     }
-    check_weights(path, mesh.weights.as_deref(), targets)
+    check_weights(path, mesh.weights.as_deref())
 }
 
-fn check_weights(path: &str, weights: Option<&[f32]>, targets: usize) -> Result<(), Fault> {
-    match weights {
-        Some(weights) if weights.len() != targets => {
-            let count = weights.len();
-            Err(at(format!("{path}.weights"), format!("has {count} weights: the mesh has {targets} morph targets")))
-        }
-        Some(weights) if weights.iter().any(|weight| !weight.is_finite()) => {
-            Err(at(format!("{path}.weights"), "should be finite"))
-        }
-        _ => Ok(()),
-    }
+fn check_weights(path: &str, weights: Option<&[f32]>) -> Result<(), Fault> {
+    let finite = weights.unwrap_or_default().iter().all(|weight| weight.is_finite());
+    if finite { Ok(()) } else { Err(at(format!("{path}.weights"), "should be finite")) }
 }
 
 fn check_primitive(document: &Document, path: &str, primitive: &Primitive) -> Result<(), Fault> {
@@ -155,6 +143,5 @@ fn check_node(document: &Document, path: &str, node: &Node) -> Result<(), Fault>
     if let Some(attributes) = node.instancing() {
         check_attributes(document, &format!("{path}.extensions.EXT_mesh_gpu_instancing.attributes"), attributes)?;
     }
-    let mesh = node.mesh.and_then(|mesh| document.meshes[mesh].primitives.first());
-    check_weights(path, node.weights.as_deref(), mesh.map_or(0, |primitive| primitive.targets.len()))
+    check_weights(path, node.weights.as_deref())
 }

@@ -66,6 +66,27 @@ fn interleaved_vertices() {
     assert_eq!(mesh.uvs[1].as_deref(), Some(&[[0.0, 7.0], [1.0, 7.0], [2.0, 7.0]][..]));
 }
 
+/// Some programs write 0 where elements follow each other without gaps, and strides that glTF does not allow.
+#[test]
+fn odd_strides() {
+    let mut builder = Builder::triangle();
+    let indices = builder.indices(&[0, 2, 1]);
+    builder.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
+    for view in 0..2 {
+        builder.json["bufferViews"][view]["byteStride"] = json!(0);
+    }
+    let mesh = builder.mesh();
+    assert_eq!((mesh.positions.as_slice(), mesh.triangles.as_slice()), (&CORNERS[..], &[[0, 2, 1]][..]));
+    let told = |view: usize| format!("bufferViews[{view}].byteStride is 0: the elements are read without gaps");
+    assert_eq!(builder.load().warnings, [told(0), told(1)]);
+
+    builder.json["bufferViews"][0].as_object_mut().unwrap().remove("byteStride");
+    builder.json["bufferViews"][1]["byteStride"] = json!(2);
+    assert_eq!(builder.mesh().triangles, [[0, 2, 1]]);
+    let expected = "bufferViews[1].byteStride is 2: it should be a multiple of 4 up to 252, and is used as it is";
+    assert_eq!(builder.warning(), expected);
+}
+
 fn make_sparse(builder: &mut Builder, accessor: usize, indices: &[u8], values: &[f32]) {
     let count = indices.len();
     let indices = builder.view(indices);

@@ -38,6 +38,25 @@ fn a_byte_order_mark_is_ignored() {
 }
 
 #[test]
+fn zeros_after_the_document_are_told() {
+    let builder = Builder::triangle();
+    let mut bytes = builder.glb();
+    let end = bytes.iter().rposition(|byte| *byte == b'}').unwrap() + 1;
+    // One more word of the first chunk, with nothing but zeros.
+    bytes.splice(end..end, [0; 4]);
+    for at in [8, 12] {
+        let length = u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) + 4;
+        bytes[at..at + 4].copy_from_slice(&length.to_le_bytes());
+    }
+    let model = parse_gltf(&bytes, "a.glb", &no_files, &GltfOptions::default());
+    let end = bytes[20..].iter().position(|byte| *byte == 0).unwrap();
+    assert!(end > 0);
+    let model = model.unwrap();
+    assert_eq!(model.meshes, builder.load().meshes);
+    assert!(model.warnings[0].contains("zeros follow the JSON of the document"), "{:?}", model.warnings);
+}
+
+#[test]
 fn names_of_files_are_decoded() {
     let mut builder = Builder::triangle();
     let length = builder.binary.len();
@@ -49,6 +68,87 @@ fn names_of_files_are_decoded() {
     };
     let model = parse_gltf(&builder.gltf(), "a.gltf", &files, &GltfOptions::default()).unwrap();
     assert_eq!(model.meshes[0].positions, CORNERS);
+}
+
+/// A file with a name that is not quite what the URI of its buffer says, in a folder of its own.
+fn beside(uri: &str, file: &str) -> (tempfile::TempDir, std::path::PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let mut builder = Builder::triangle();
+    let inside = folder.path().join("inside");
+    let uri = uri.replace("FOLDER", inside.canonicalize().as_deref().unwrap_or(&inside).to_str().unwrap());
+    builder.json["buffers"] = json!([{ "byteLength": builder.binary.len(), "uri": uri }]);
+    fs::create_dir_all(inside.join(file).parent().unwrap()).unwrap();
+    fs::write(inside.join(file), &builder.binary).unwrap();
+    fs::write(inside.join("a.gltf"), builder.gltf()).unwrap();
+    (folder, inside.join("a.gltf"))
+}
+
+#[test]
+fn uris_that_are_odd_but_plain() {
+    let told = |uri: &str, file: &str, is_told: bool| {
+        let (_folder, path) = beside(uri, file);
+        let model = load_gltf(&path, &GltfOptions::default()).unwrap_or_else(|error| panic!("{uri}: {error}"));
+        assert_eq!(model.meshes[0].positions, CORNERS, "{uri}");
+        assert_eq!(model.warnings.len(), usize::from(is_told), "{uri}: {:?}", model.warnings);
+        model.warnings.concat()
+    };
+    told("a%20b.bin", "a b.bin", false);
+    told("./sub/../a.bin", "a.bin", false);
+    told("sub/gone/../a.bin", "sub/a.bin", false);
+    told("a#b.bin", "a#b.bin", false);
+    let query = told("a.bin?version=2", "a.bin", true);
+    assert_eq!(query, "the URI `a.bin?version=2` should be a relative reference with escapes: `a.bin` is read");
+    told("a.bin#part", "a.bin", true);
+    told("100%25.bin", "100%25.bin", true);
+    told("sub\\a.bin", "sub/a.bin", true);
+    told("sub%5Ca.bin", "sub/a.bin", true);
+    told("file:a.bin", "a.bin", true);
+}
+
+#[test]
+fn file_uris_of_the_folder() {
+    for start in ["file://", "file:", "FILE://localhost"] {
+        let folder = tempfile::tempdir().unwrap();
+        let folder_name = folder.path().canonicalize().unwrap();
+        let mut builder = Builder::triangle();
+        let uri = format!("{start}{}/a%20b.bin", folder_name.display());
+        builder.json["buffers"] = json!([{ "byteLength": builder.binary.len(), "uri": uri }]);
+        fs::write(folder.path().join("a b.bin"), &builder.binary).unwrap();
+        fs::write(folder.path().join("a.gltf"), builder.gltf()).unwrap();
+        let model = load_gltf(&folder.path().join("a.gltf"), &GltfOptions::default()).unwrap();
+        assert_eq!((model.meshes[0].positions.as_slice(), model.warnings.len()), (&CORNERS[..], 1), "{uri}");
+    }
+    let (_folder, path) = beside("file:///etc/hostname", "a.bin");
+    let error = load_gltf(&path, &GltfOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("`/etc/hostname` is outside the folder of the model"), "{error}");
+}
+
+/// Archives carry links and pipes, behind which there may be any file of the machine, or one that never ends.
+#[cfg(unix)]
+#[test]
+fn links_and_pipes_are_not_followed() {
+    let refused = |link: &std::path::Path| {
+        let (folder, path) = beside("a.bin", "a.bin");
+        let inside = path.parent().unwrap();
+        fs::rename(inside.join("a.bin"), folder.path().join("outside.bin")).unwrap();
+        std::os::unix::fs::symlink(link, inside.join("a.bin")).unwrap();
+        let error = load_gltf(&path, &GltfOptions::default()).unwrap_err().to_string();
+        let options = GltfOptions { allow_outside: true, ..GltfOptions::default() };
+        (error, load_gltf(&path, &options))
+    };
+    let (error, allowed) = refused(std::path::Path::new("../outside.bin"));
+    assert!(error.contains("`a.bin` is a link that leads out of the folder of the model"), "{error}");
+    assert!(error.ends_with("unless `--allow-outside` is given"), "{error}");
+    assert_eq!(allowed.unwrap().meshes[0].positions, CORNERS);
+    let (error, allowed) = refused(std::path::Path::new("/dev/zero"));
+    assert!(error.contains("is a link that leads out of the folder"), "{error}");
+    assert!(allowed.unwrap_err().to_string().contains("is a device or a pipe: only regular files are read"));
+
+    let (_folder, path) = beside("a.bin", "b.bin");
+    let pipe = path.with_file_name("a.bin");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let error = load_gltf(&path, &GltfOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("`a.bin` is a device or a pipe: only regular files are read"), "{error}");
 }
 
 #[test]
@@ -71,7 +171,9 @@ fn files_outside_the_folder_are_refused_unless_allowed() {
     let path = folder.path().join("inside/a.gltf");
     fs::write(&path, builder.gltf()).unwrap();
     let error = load_gltf(&path, &GltfOptions::default()).unwrap_err();
-    assert!(error.message.contains("buffers[0]: `../a.bin` is outside the folder"), "{error}");
+    let expected = "buffers[0]: `../a.bin` is outside the folder of the model, where files are not read unless \
+                    `--allow-outside` is given";
+    assert_eq!(error.message, expected);
     let options = GltfOptions { allow_outside: true, ..GltfOptions::default() };
     assert_eq!(load_gltf(&path, &options).unwrap().meshes[0].positions, CORNERS);
     fs::write(folder.path().join("inside/b.bin"), &builder.binary).unwrap();
@@ -124,6 +226,9 @@ fn images_that_cannot_be_read_are_warnings() {
     let mut builder = Builder::with_material(json!({}));
     assert_eq!(textured(&mut builder, json!({ "uri": "data:,no" })), None);
     assert!(builder.warning().contains("image 0 is left out: it is not an image that can be read"));
+    let mut builder = Builder::with_material(json!({}));
+    assert_eq!(textured(&mut builder, json!({ "name": "nothing" })), None);
+    assert_eq!(builder.warning(), "image 0, `nothing`, is left out: it should have a `uri` or a `bufferView`");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
-use raggio_models::{GltfOptions, Model, parse_gltf};
+use raggio_models::{GltfOptions, LightKind, Model, Projection, parse_gltf};
 use serde_json::{Value, json};
 
 use crate::gltf::builder::{Builder, U8, no_files, png};
@@ -47,7 +47,8 @@ fn rich() -> Builder {
     builder.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": deltas, "NORMAL": deltas }]);
     builder.json["meshes"][0]["weights"] = json!([0.5]);
     builder.json["skins"] = json!([{ "joints": [1, 2] }]);
-    builder.json["cameras"] = json!([{ "perspective": { "yfov": 1, "aspectRatio": 2 } }]);
+    builder.json["cameras"] =
+        json!([{ "perspective": { "yfov": 1, "aspectRatio": 2 } }, { "orthographic": { "xmag": 1, "ymag": 2 } }]);
     builder.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "spot", "spot": {} }] } });
     builder.json["animations"] = json!([{
         "channels": [
@@ -59,7 +60,7 @@ fn rich() -> Builder {
     builder.json["nodes"] = json!([
         { "mesh": 0, "skin": 0, "children": [1] },
         { "children": [2], "camera": 0, "extensions": { "KHR_lights_punctual": { "light": 0 } } },
-        { "translation": [1, 2, 3], "scale": [1, 2, 3] },
+        { "camera": 1, "translation": [1, 2, 3], "rotation": [0, 0, 0, 1], "scale": [1, 2, 3] },
         { "mesh": 0, "extensions": { "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": 0 } } } },
     ]);
     builder
@@ -95,7 +96,16 @@ fn check(model: &Model) {
     assert!(model.instances.iter().all(|instance| instance.mesh < model.meshes.len()));
     assert!(model.instances.iter().all(|instance| instance.model_from_mesh.inverse().is_finite()));
     assert!(model.cameras.iter().all(|camera| camera.forward.is_normalized() && camera.up.is_normalized()));
+    let is_sound = |camera: &raggio_models::Camera| match camera.projection {
+        Projection::Perspective { vertical_fov, aspect } => {
+            vertical_fov > 0.0 && aspect.is_none_or(|aspect| aspect > 0.0)
+        }
+        Projection::Orthographic { xmag, ymag } => xmag > 0.0 && ymag > 0.0,
+    };
+    assert!(model.cameras.iter().all(is_sound));
     assert!(model.lights.iter().all(|light| light.direction.is_normalized()));
+    let is_ordered = |kind| !matches!(kind, LightKind::Spot { inner, outer } if !(0.0 <= inner && inner <= outer));
+    assert!(model.lights.iter().all(|light| is_ordered(light.kind)));
     assert!(model.warnings.iter().all(|warning| !warning.chars().any(char::is_control)));
 }
 
@@ -171,6 +181,7 @@ fn distort(builder: &mut Builder, changes: &[Change]) {
             10 => json!(-old),
             11 => json!(old.saturating_mul(1000)),
             12 => json!(u32::MAX),
+            13 if byte / 16 % 2 == 0 => json!(null),
             13 => json!(u64::MAX),
             14 => json!(5120 + i64::from(byte / 16) % 7),
             _ => json!(1e308),
@@ -210,6 +221,56 @@ fn mutated() {
         cases += 200;
     }
     println!("{cases} files read");
+}
+
+/// Parts of URIs that lead to other folders, or that are written in more than one way.
+const PARTS: [&str; 16] = [
+    "..",
+    "../",
+    "..\\",
+    "/",
+    "%2e%2e",
+    "%2F",
+    "%5c",
+    "secret.bin",
+    "inside",
+    "./",
+    "file:",
+    "//",
+    "?",
+    "#",
+    "sub/",
+    "C:",
+];
+
+/// No URI reads a file beside the folder of the model, where there is one that would do.
+#[test]
+fn uris_never_lead_out_of_the_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let inside = folder.path().join("inside");
+    std::fs::create_dir_all(inside.join("sub")).unwrap();
+    let mut builder = Builder::triangle();
+    std::fs::write(folder.path().join("secret.bin"), &builder.binary).unwrap();
+    let absolute = folder.path().canonicalize().unwrap();
+    let parts: Vec<String> = PARTS.into_iter().chain(absolute.to_str()).map(str::to_string).collect();
+    let path = inside.join("a.gltf");
+    let length = builder.binary.len();
+    let mut read = |uri: &str, allow_outside| {
+        builder.json["buffers"] = json!([{ "byteLength": length, "uri": uri }]);
+        std::fs::write(&path, builder.gltf()).unwrap();
+        raggio_models::load_gltf(&path, &GltfOptions { allow_outside, ..GltfOptions::default() })
+    };
+    assert!(read("../secret.bin", true).is_ok());
+    let mut runner = TestRunner::new(Config { cases: 2000, failure_persistence: None, ..Config::default() });
+    let strategy = vec(prop::sample::select(parts), 1..8);
+    let read = std::cell::RefCell::new(read);
+    let outcome = runner.run(&strategy, |parts| {
+        let uri = parts.concat();
+        let error = (*read.borrow_mut())(&uri, false).expect_err(&uri);
+        assert!(!error.to_string().chars().any(char::is_control), "{error:?}");
+        Ok(())
+    });
+    outcome.unwrap();
 }
 
 proptest! {

@@ -183,10 +183,60 @@ fn unlit_emits_its_base_color_and_reflects_nothing() {
     assert_eq!((found.base_color, found.metallic, found.specular), ([0.0; 3], 0.0, 0.0));
     assert_eq!((found.emissive, found.alpha, found.alpha_mode), ([0.1, 0.2, 0.3], 0.5, AlphaMode::Blend));
     assert_eq!((number(&found.emissive_texture), number(&found.base_color_texture)), (1, 1));
+    assert!(found.emissive_by_vertex_color && !surface(json!({})).emissive_by_vertex_color);
     let mut colored = builder(material);
-    let colors = colored.floats("VEC3", &[0.5; 9]);
+    let colors = colored.floats("VEC3", &[1.0, 0.0, 0.0].repeat(3));
     colored.attribute("COLOR_0", colors);
+    let model = colored.load();
+    assert_eq!(model.meshes[0].colors.as_deref(), Some(&[[1.0, 0.0, 0.0, 1.0]; 3][..]));
+    assert!(model.materials[0].surface.emissive_by_vertex_color);
     assert!(colored.warning().contains("do not change what its unlit material emits"));
+}
+
+#[test]
+fn distances_of_attenuation_that_stand_for_infinity() {
+    let material = |distance: Value| {
+        let volume =
+            json!({ "thicknessFactor": 1, "attenuationDistance": distance, "attenuationColor": [0.1, 0.2, 0.3] });
+        builder(json!({ "extensions": { "KHR_materials_volume": volume } }))
+    };
+    let told = [
+        (json!(0), "materials[0].attenuationDistance is 0: nothing is absorbed"),
+        (json!(-1), "materials[0].attenuationDistance is -1: nothing is absorbed"),
+        (json!(null), "materials[0].extensions.KHR_materials_volume.attenuationDistance is null: its default is used"),
+    ];
+    for (distance, warning) in told {
+        let builder = material(distance);
+        assert_eq!(builder.load().materials[0].surface.attenuation_distance, f32::INFINITY);
+        assert_eq!(builder.warning(), warning);
+    }
+}
+
+/// Infinity and what is no number are null in the JSON of many programs, and so are names that are not there.
+#[test]
+fn nulls_are_defaults() {
+    let mut builder = builder(json!({
+        "name": null,
+        "pbrMetallicRoughness": { "roughnessFactor": null, "baseColorFactor": [null, 1, 1, 1], "metallicFactor": 0.5 },
+        "extras": { "none": null },
+    }));
+    builder.json["nodes"][0]["name"] = json!(null);
+    builder.json["nodes"][0]["translation"] = json!([1, null, 3]);
+    let model = builder.load();
+    let surface = &model.materials[0].surface;
+    assert_eq!((surface.roughness, surface.base_color, surface.metallic), (1.0, [1.0; 3], 0.5));
+    assert_eq!((model.materials[0].name.as_str(), &*model.instances[0].name), ("", ""));
+    assert_eq!(model.instances[0].model_from_mesh, glam::DAffine3::IDENTITY);
+    let mut told = model.warnings;
+    told.sort_unstable();
+    let expected = [
+        "materials[0].name",
+        "materials[0].pbrMetallicRoughness.baseColorFactor",
+        "materials[0].pbrMetallicRoughness.roughnessFactor",
+        "nodes[0].name",
+        "nodes[0].translation",
+    ];
+    assert_eq!(told, expected.map(|path| format!("{path} is null: its default is used")));
 }
 
 #[test]
@@ -247,6 +297,16 @@ fn samplers() {
     let texture = builder.load().materials[0].surface.emissive_texture.clone().unwrap();
     assert_eq!(texture.wrap, [Wrap::ClampToEdge, Wrap::MirroredRepeat]);
     assert_eq!(texture.filter, TextureFilter::Nearest);
+    builder.json["samplers"] = json!([{ "magFilter": 9987, "wrapS": 10496, "wrapT": 33071 }]);
+    let texture = builder.load().materials[0].surface.emissive_texture.clone().unwrap();
+    assert_eq!((texture.wrap, texture.filter), ([Wrap::Repeat, Wrap::ClampToEdge], TextureFilter::Linear));
+    let expected = [
+        "samplers[0].magFilter is 9987, which has no meaning: 9729 (linear) is used",
+        "samplers[0].wrapS is 10496, which has no meaning: 10497 (repeat) is used",
+    ];
+    let mut told = builder.load().warnings;
+    told.sort_unstable();
+    assert_eq!(told, expected);
 }
 
 #[test]

@@ -81,6 +81,26 @@ fn absent_attributes_are_none_and_tangents_need_normals() {
 }
 
 #[test]
+fn weights_fit_the_morph_targets() {
+    let mut builder = Builder::triangle();
+    builder.json["meshes"][0]["weights"] = json!([1]);
+    builder.json["nodes"][0]["weights"] = json!([1, 2]);
+    assert_eq!(builder.mesh().positions, CORNERS);
+    let told = ["meshes[0].weights has 1 weights", "nodes[0].weights has 2 weights"];
+    assert_eq!(builder.load().warnings, told.map(|told| format!("{told} for 0 morph targets: the rest is not used")));
+
+    let mut builder = Builder::triangle();
+    let deltas = builder.floats("VEC3", &[0.0, 0.0, 1.0].repeat(3));
+    let target = json!({ "POSITION": deltas });
+    builder.json["meshes"][0]["primitives"][0]["targets"] = json!([target, target]);
+    builder.json["meshes"][0]["weights"] = json!([0.5]);
+    assert_eq!(builder.mesh().positions, CORNERS.map(|[x, y, _]| [x, y, 0.5]));
+    assert_eq!(builder.warning(), "meshes[0].weights has 1 weights for 2 morph targets: the rest is 0");
+    builder.json["meshes"][0]["weights"] = json!([0.25, 0.5, 9]);
+    assert_eq!(builder.mesh().positions, CORNERS.map(|[x, y, _]| [x, y, 0.75]));
+}
+
+#[test]
 fn attributes_that_are_not_used_are_told() {
     let mut builder = Builder::triangle();
     let uvs = builder.floats("VEC2", &[0.0; 6]);

@@ -1,10 +1,10 @@
 //! Placement of things: hierarchy, scenes, instances, lights, cameras.
 
-use std::f32::consts::FRAC_PI_4;
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::time::Instant;
 
 use glam::{DAffine3, DVec3};
-use raggio_models::{GltfOptions, LightKind};
+use raggio_models::{GltfOptions, LightKind, Projection};
 use serde_json::json;
 
 use crate::gltf::builder::{Builder, assert_close};
@@ -49,6 +49,67 @@ fn the_scene_says_what_is_seen() {
     assert!(builder.warning().contains("the file has 2 scenes"));
     let error = builder.try_load(&GltfOptions { scene: Some(2), ..GltfOptions::default() }).unwrap_err();
     assert!(error.message.contains("scene 2 is wanted: the file has 2"), "{error}");
+}
+
+#[test]
+fn nodes_that_are_listed_twice_are_shown_once() {
+    let mut builder = Builder::triangle();
+    builder.json["nodes"] = json!([
+        { "name": "parent", "mesh": 0, "children": [1, 1], "translation": [1, 0, 0] },
+        { "name": "child", "mesh": 0, "translation": [1, 0, 0] },
+        { "name": "other", "mesh": 0, "children": [1] },
+    ]);
+    let shown = |builder: &Builder| {
+        let places = builder.load().instances;
+        places.iter().map(|it| (it.name.to_string(), it.model_from_mesh.translation.x)).collect::<Vec<_>>()
+    };
+    let all = [("parent".to_string(), 1.0), ("child".to_string(), 2.0), ("other".to_string(), 0.0)];
+    assert_eq!(shown(&builder), all);
+    let told = |parent: usize| {
+        format!("nodes[{parent}].children lists node 1, a child of node 0 already: it is shown there alone")
+    };
+    assert_eq!(builder.load().warnings, [told(0), told(2)]);
+
+    builder.json["nodes"][0]["children"] = json!([1]);
+    builder.json["nodes"][2] = json!({ "name": "other", "mesh": 0 });
+    builder.json["scenes"] = json!([{ "nodes": [0, 1, 2, 2] }]);
+    assert_eq!(shown(&builder), all);
+    let told = |node: usize| {
+        format!("scenes[0].nodes lists node {node}, which is listed twice or a child of another: it is shown once")
+    };
+    assert_eq!(builder.load().warnings, [told(1), told(2)]);
+    builder.json["scenes"] = json!([{ "nodes": [1] }]);
+    assert_eq!(shown(&builder), [("child".to_string(), 2.0)]);
+}
+
+#[test]
+fn rotations_without_length_turn_nothing() {
+    let mut builder = Builder::triangle();
+    builder.json["nodes"][0]["rotation"] = json!([0, 0, 0, 0]);
+    builder.json["nodes"][0]["translation"] = json!([1, 2, 3]);
+    let place = builder.load().instances[0].model_from_mesh;
+    assert_eq!(place, DAffine3::from_translation(DVec3::new(1.0, 2.0, 3.0)));
+    let message = "should be a unit quaternion and is [0.0, 0.0, 0.0, 0.0]: nothing is turned";
+    assert_eq!(builder.warning(), format!("nodes[0].rotation {message}"));
+
+    let mut builder = Builder::triangle();
+    let rotations = builder.floats("VEC4", &[0.0; 4]);
+    let attributes = json!({ "ROTATION": rotations });
+    builder.json["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } });
+    assert_eq!(builder.load().instances[0].model_from_mesh, DAffine3::IDENTITY);
+    let path = "nodes[0].extensions.EXT_mesh_gpu_instancing: the rotation of instance 0";
+    assert_eq!(builder.warning(), format!("{path} {message}"));
+}
+
+#[test]
+fn a_matrix_wins_over_what_stands_beside_it() {
+    let mut builder = Builder::triangle();
+    builder.json["nodes"][0]["matrix"] = json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 10, 20, 30, 1]);
+    builder.json["nodes"][0]["scale"] = json!([2, 2, 2]);
+    let place = builder.load().instances[0].model_from_mesh;
+    assert_eq!(place, DAffine3::from_translation(DVec3::new(10.0, 20.0, 30.0)));
+    let expected = "nodes[0] has a `translation`, `rotation` or `scale` beside its `matrix`: the matrix alone is used";
+    assert_eq!(builder.warning(), expected);
 }
 
 #[test]
@@ -156,13 +217,37 @@ fn lights() {
     assert_eq!(light.kind, LightKind::Spot { inner: 0.25, outer: FRAC_PI_4 });
 }
 
+/// A spot whose angles are equal has a hard edge, and is what three.js writes unless it is told otherwise.
+#[test]
+fn spots_with_hard_edges() {
+    let spot = |inner: f64, outer: f64| {
+        with_light(json!({ "type": "spot", "spot": { "innerConeAngle": inner, "outerConeAngle": outer } }))
+    };
+    let kind = |builder: &Builder| builder.load().lights[0].kind;
+    let told = |builder: &Builder, used: &str| {
+        let path = "extensions.KHR_lights_punctual.lights[0].spot";
+        let expected = format!("{path}: the angles are {used} are used, for 0 <= inner <= outer <= pi / 2");
+        assert_eq!(builder.warning(), expected);
+    };
+    let equal = spot(0.5, 0.5);
+    assert_eq!(kind(&equal), LightKind::Spot { inner: 0.5, outer: 0.5 });
+    assert_eq!(equal.load().warnings, [""; 0]);
+    let crossed = spot(0.9, 0.5);
+    assert_eq!(kind(&crossed), LightKind::Spot { inner: 0.5, outer: 0.5 });
+    told(&crossed, "0.9 and 0.5: 0.5 and 0.5");
+    let wide = spot(0.25, 3.0);
+    assert_eq!(kind(&wide), LightKind::Spot { inner: 0.25, outer: FRAC_PI_2 });
+    told(&wide, "0.25 and 3: 0.25 and 1.5707964");
+    assert_eq!(kind(&spot(-1.0, 0.5)), LightKind::Spot { inner: 0.0, outer: 0.5 });
+    assert_eq!(spot(0.0, 1.570_796_5).load().warnings, [""; 0], "a right angle that is rounded up");
+}
+
 #[test]
 fn lights_out_of_range() {
-    let spot = json!({ "type": "spot", "spot": { "innerConeAngle": 0.9, "outerConeAngle": 0.5 } });
-    let error = with_light(spot).error();
-    assert!(error.contains("extensions.KHR_lights_punctual.lights[0].spot: the angles are 0.9 and 0.5"), "{error}");
+    let negative = with_light(json!({ "type": "point", "intensity": -1 }));
+    assert!(negative.load().lights.is_empty());
     assert!(
-        with_light(json!({ "type": "point", "intensity": -1 })).error().contains("should be finite and not negative")
+        negative.warning().contains("lights[0] is left out: its intensity is [-1.0, -1.0, -1.0], and should be finite")
     );
     assert!(with_light(json!({ "type": "sun" })).error().contains("unknown variant `sun`"));
     assert!(with_light(json!({ "type": "point", "range": 3 })).warning().contains("ranges of lights are not used"));
@@ -174,18 +259,52 @@ fn cameras() {
     let perspective = json!({ "yfov": 0.5, "aspectRatio": 1.5, "znear": 0.1 });
     builder.json["cameras"] = json!([
         { "name": "eye", "type": "perspective", "perspective": perspective },
-        { "type": "orthographic", "orthographic": { "xmag": 1, "ymag": 1, "znear": 0, "zfar": 1 } },
+        { "name": "plan", "type": "orthographic", "orthographic": { "xmag": 3, "ymag": 2, "znear": 0, "zfar": 1 } },
     ]);
     builder.push("nodes", json!({ "camera": 0, "translation": [0, 0, 5], "rotation": [0, half(), 0, half()] }));
-    builder.push("nodes", json!({ "camera": 1 }));
+    builder.push("nodes", json!({ "camera": 1, "rotation": [-half(), 0, 0, half()] }));
+    builder.push("nodes", json!({ "name": "second", "camera": 0 }));
     let model = builder.load();
-    assert_eq!(model.cameras.len(), 1);
+    assert_eq!(model.cameras.iter().map(|camera| camera.name.as_str()).collect::<Vec<_>>(), ["eye", "plan", "second"]);
     let camera = &model.cameras[0];
-    assert_eq!((camera.name.as_str(), camera.vertical_fov, camera.aspect), ("eye", 0.5, Some(1.5)));
+    assert_eq!(camera.projection, Projection::Perspective { vertical_fov: 0.5, aspect: Some(1.5) });
+    assert_eq!(camera.aspect(), Some(1.5));
     assert_eq!(camera.position, DVec3::new(0.0, 0.0, 5.0));
     assert_close(&camera.forward.to_array(), &[-1.0, 0.0, 0.0]);
     assert_close(&camera.up.to_array(), &[0.0, 1.0, 0.0]);
-    assert!(builder.warning().contains("cameras[1] is left out: only perspective cameras"));
-    builder.json["cameras"][0]["perspective"]["yfov"] = json!(4);
-    assert!(builder.error().contains("cameras[0].perspective.yfov: is 4: it should be between 0 and pi radians"));
+    let plan = &model.cameras[1];
+    assert_eq!((plan.projection, plan.aspect()), (Projection::Orthographic { xmag: 3.0, ymag: 2.0 }, Some(1.5)));
+    assert_close(&plan.forward.to_array(), &[0.0, -1.0, 0.0]);
+    assert_close(&plan.up.to_array(), &[0.0, 0.0, -1.0]);
+    assert_eq!(model.warnings, [""; 0]);
+}
+
+#[test]
+fn cameras_out_of_range() {
+    let camera = |camera: serde_json::Value| {
+        let mut builder = Builder::triangle();
+        builder.push("cameras", camera);
+        builder.push("nodes", json!({ "camera": 0 }));
+        builder
+    };
+    let projection = |builder: &Builder| builder.load().cameras.first().map(|camera| camera.projection);
+    for yfov in [0.0, -1.0, 4.0] {
+        let builder = camera(json!({ "perspective": { "yfov": yfov } }));
+        let expected = Projection::Perspective { vertical_fov: FRAC_PI_4, aspect: None };
+        assert_eq!(projection(&builder), Some(expected));
+        let message = format!("yfov is {yfov}, and should be between 0 and pi radians: 0.7853982 is used");
+        assert_eq!(builder.warning(), format!("cameras[0].perspective.{message}"));
+    }
+    let flat = camera(json!({ "perspective": { "yfov": 1, "aspectRatio": 0 } }));
+    assert_eq!(projection(&flat), Some(Projection::Perspective { vertical_fov: 1.0, aspect: None }));
+    assert!(flat.warning().contains("aspectRatio is 0, and should be positive and finite: it is not used"));
+    let mirrored = camera(json!({ "orthographic": { "xmag": -2, "ymag": 1 } }));
+    assert_eq!(projection(&mirrored), Some(Projection::Orthographic { xmag: 2.0, ymag: 1.0 }));
+    assert!(mirrored.warning().contains("`xmag` and `ymag` are -2 and 1: their signs are not used"));
+    let empty = camera(json!({ "orthographic": { "xmag": 0, "ymag": 1 } }));
+    assert_eq!(projection(&empty), None);
+    assert!(empty.warning().contains("cameras[0] is left out: `xmag` and `ymag` are 0 and 1"));
+    let neither = camera(json!({ "type": "perspective" }));
+    assert_eq!(projection(&neither), None);
+    assert!(neither.warning().contains("cameras[0] is left out: it should be `perspective` or `orthographic`"));
 }

@@ -36,7 +36,8 @@ impl Metadata {
         let camera_from_world = self.camera_from_world();
         attributes.world_to_camera = Some(row_vectors(camera_from_world));
         attributes.world_to_normalized_device = Some(row_vectors(self.ndc_from_camera() * camera_from_world));
-        let text = |value: &str| AttributeValue::Text(Text::new_or_none(value).unwrap_or_else(|| Text::from("?")));
+        // OpenEXR's texts are UTF-8; the library would make Latin-1 of them.
+        let text = |value: &str| AttributeValue::Text(Text::from_slice_unchecked(value.as_bytes()));
         let number = |value: u32| text(&value.to_string());
         let mut other: HashMap<&str, AttributeValue> = HashMap::from([
             ("scene", text(&self.scene)),

@@ -32,7 +32,7 @@ pub(super) fn principled(
         normal_scale: number(file.normal_scale, 1.0),
         emissive: emissive(name, file)?,
         emissive_texture: load("emissive_texture", &file.emissive_texture)?,
-        emission_has_vertex_color: false,
+        emissive_by_vertex_color: false,
         ior: number(file.ior, default.ior),
         specular: number(file.specular, 1.0),
         specular_texture: load("specular_texture", &file.specular_texture)?,

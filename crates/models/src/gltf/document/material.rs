@@ -46,54 +46,9 @@ impl Texture {
 #[derive(Deserialize, Clone, Copy)]
 #[serde(rename_all = "camelCase")]
 pub(in crate::gltf) struct Sampler {
-    #[serde(default)]
-    pub mag_filter: MagFilter,
-    #[serde(default)]
-    pub wrap_s: Wrap,
-    #[serde(default)]
-    pub wrap_t: Wrap,
-}
-
-#[derive(Deserialize, Clone, Copy, Default)]
-#[serde(try_from = "u32")]
-pub(in crate::gltf) enum MagFilter {
-    Nearest,
-    #[default]
-    Linear,
-}
-
-impl TryFrom<u32> for MagFilter {
-    type Error = String;
-
-    fn try_from(code: u32) -> Result<Self, String> {
-        match code {
-            9728 => Ok(Self::Nearest),
-            9729 => Ok(Self::Linear),
-            _ => Err(format!("the filter is {code}: it should be 9728 (nearest) or 9729 (linear)")),
-        }
-    }
-}
-
-#[derive(Deserialize, Clone, Copy, Default)]
-#[serde(try_from = "u32")]
-pub(in crate::gltf) enum Wrap {
-    ClampToEdge,
-    MirroredRepeat,
-    #[default]
-    Repeat,
-}
-
-impl TryFrom<u32> for Wrap {
-    type Error = String;
-
-    fn try_from(code: u32) -> Result<Self, String> {
-        match code {
-            33071 => Ok(Self::ClampToEdge),
-            33648 => Ok(Self::MirroredRepeat),
-            10497 => Ok(Self::Repeat),
-            _ => Err(format!("the wrap mode is {code}: it should be 33071, 33648 or 10497")),
-        }
-    }
+    pub mag_filter: Option<u32>,
+    pub wrap_s: Option<u32>,
+    pub wrap_t: Option<u32>,
 }
 
 /// Use of a texture by a material; `scale` belongs to normal textures alone.

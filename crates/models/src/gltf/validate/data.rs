@@ -35,12 +35,7 @@ fn check_view(document: &Document, path: &str, view: &BufferView) -> Result<(), 
         let path = format!("{path}.extensions.KHR_meshopt_compression");
         return check_compressed(document, &path, compressed, view.byte_length);
     }
-    match view.byte_stride {
-        Some(stride) if stride % 4 != 0 || !(4..=252).contains(&stride) => {
-            Err(at(path, format!("`byteStride` is {stride}: it should be a multiple of 4 from 4 to 252")))
-        }
-        _ => Ok(()),
-    }
+    Ok(())
 }
 
 fn check_compressed(document: &Document, path: &str, compressed: &Meshopt, length: usize) -> Result<(), Fault> {

@@ -4,18 +4,16 @@ use crate::error::Fault;
 use crate::gltf::document::Node;
 use crate::gltf::fault::at;
 
-/// All nodes, parents before their children, each with its parent. `nodes` name only nodes that there are.
+/// All nodes, parents before their children, each with its parent. `nodes` name only nodes that there are, and each is a
+/// child of one at most.
 ///
 /// # Errors
-/// When a node has two parents or is its own ancestor.
+/// When a node is its own ancestor.
 pub(in crate::gltf) fn roots_first(nodes: &[Node]) -> Result<Vec<(usize, Option<usize>)>, Fault> {
     let mut parents: Vec<Option<usize>> = vec![None; nodes.len()];
     for (number, node) in nodes.iter().enumerate() {
         for child in &node.children {
-            if let Some(other) = parents[*child].replace(number) {
-                let message = format!("node {child} is already a child of node {other}: it should have one parent");
-                return Err(at(format!("nodes[{number}].children"), message));
-            }
+            parents[*child] = Some(number);
         }
     }
     let mut order: Vec<_> = (0..nodes.len()).filter(|node| parents[*node].is_none()).map(|node| (node, None)).collect();
