@@ -2,7 +2,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use raggio_render::{DenoiseError, DeviceError, OutputError, RenderError, TooLarge};
-use raggio_scene::SceneError;
+use raggio_scene::{SceneError, display_name};
 #[cfg(feature = "window")]
 use raggio_viewer::ViewError;
 
@@ -80,5 +80,14 @@ impl From<ViewError> for Failure {
 
 /// Failure to write a file that was asked for.
 pub fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::Input(format!("cannot write {}: {error}", path.display()))
+    Failure::Input(format!("cannot write {}: {}", display_name(path), of_system(error)))
+}
+
+/// The system's own words. Around them may stand the name of a temporary file, which nobody has asked for.
+fn of_system(error: &std::io::Error) -> String {
+    let mut words: &dyn std::error::Error = error;
+    while let Some(inner) = words.source() {
+        words = inner;
+    }
+    words.to_string()
 }

@@ -3,6 +3,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use raggio_render::{Film, Progress, UNLIMITED_SAMPLES};
+use raggio_scene::counted;
 
 use crate::output::say;
 
@@ -72,8 +73,9 @@ impl Reporter {
             self.say(&format!("{fewest} to {most} samples per pixel, {mean:.1} on average"));
         } else if progress.samples < target {
             let is_limited = target < UNLIMITED_SAMPLES;
-            let of = if is_limited { format!("stopped early: {fewest} of {target}") } else { fewest.to_string() };
-            self.say(&format!("{of} samples per pixel"));
+            let early = if is_limited { format!("stopped early: {fewest} of ") } else { String::new() };
+            let number = if is_limited { target } else { fewest };
+            self.say(&format!("{early}{} per pixel", counted(number as usize, "sample")));
         }
         let seconds = progress.seconds.max(1e-9);
         self.say(&format!(
@@ -90,10 +92,11 @@ impl Reporter {
 fn describe(progress: &Progress, target: u32) -> String {
     let rate = progress.total_samples as f64 / progress.seconds.max(1e-9);
     if target == UNLIMITED_SAMPLES {
-        return format!("{} samples  {} samples/s", progress.samples, millions(rate));
+        return format!("{}  {} samples/s", counted(progress.samples as usize, "sample"), millions(rate));
     }
     let left = progress.seconds * (1.0 - progress.fraction) / progress.fraction.max(1e-9);
-    format!("{}/{target} samples  {} samples/s  {} left", progress.samples, millions(rate), duration(left))
+    let samples = counted(target as usize, "sample");
+    format!("{}/{samples}  {} samples/s  {} left", progress.samples, millions(rate), duration(left))
 }
 
 /// Count in millions: `12.3 M`.

@@ -7,7 +7,7 @@ mod principled;
 use std::fmt;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::de::{MapAccess, Visitor};
+use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Value, json};
 
@@ -49,7 +49,7 @@ pub(crate) struct SceneFile {
     pub materials: Materials,
     /// Shapes that there are to see, in any order.
     #[serde(default)]
-    pub shapes: Vec<ShapeFile>,
+    pub shapes: Shapes,
 }
 
 /// Size and quality of the picture; the command line overrides it.
@@ -311,8 +311,11 @@ impl<'de> Visitor<'de> for MaterialsVisitor {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Materials, A::Error> {
         let mut materials = Vec::new();
-        while let Some(entry) = map.next_entry()? {
-            materials.push(entry);
+        while let Some(name) = map.next_key()? {
+            // What is wrong with a material has been noted by the reader, which goes on.
+            if let Ok(material) = map.next_value() {
+                materials.push((name, material));
+            }
         }
         Ok(Materials(materials))
     }
@@ -329,6 +332,52 @@ impl JsonSchema for Materials {
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         <std::collections::BTreeMap<String, MaterialFile>>::json_schema(generator)
+    }
+}
+
+/// Shapes in the order of the file.
+#[derive(Debug, Default)]
+pub(crate) struct Shapes(pub Vec<ShapeFile>);
+
+impl<'de> Deserialize<'de> for Shapes {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_seq(ShapesVisitor)
+    }
+}
+
+struct ShapesVisitor;
+
+impl<'de> Visitor<'de> for ShapesVisitor {
+    type Value = Shapes;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("a list")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Shapes, A::Error> {
+        let mut shapes = Vec::with_capacity(list.size_hint().unwrap_or_default());
+        loop {
+            match list.next_element() {
+                Ok(Some(shape)) => shapes.push(shape),
+                Ok(None) => return Ok(Shapes(shapes)),
+                // What is wrong with a shape has been noted by the reader, which goes on.
+                Err(_) => {}
+            }
+        }
+    }
+}
+
+impl JsonSchema for Shapes {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Shapes".into()
+    }
+
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        <Vec<ShapeFile>>::json_schema(generator)
     }
 }
 

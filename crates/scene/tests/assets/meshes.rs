@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use raggio_scene::{Counts, Placement, Vec3};
+use raggio_scene::{AssetOptions, Assets, Counts, Placement, Scene, Vec3};
 
 use crate::assets::files::{Folder, meshes};
 
@@ -139,4 +139,20 @@ fn what_is_shared_is_counted_once() {
         "[[shapes]]\nmaterial = \"red\"\nmesh = { file = \"triangle.ply\" }\n".repeat(3)
     ));
     assert_eq!(scene.counts(), Counts { triangles: 4, meshes: 2, instances: 4, textures: 1 });
+}
+
+#[test]
+fn a_time_of_what_stands_still() {
+    let folder = Folder::new();
+    let text = format!("{LIGHT}[[shapes]]\nmaterial = \"red\"\nmesh = {{ file = \"triangle.ply\", time = 2 }}\n");
+    let [warning] = &folder.scene(&text).warnings[..] else { panic!("one warning") };
+    assert!(
+        warning.ends_with(": `time` in `mesh` of shape 1 does nothing: .ply files have no animations"),
+        "{warning}"
+    );
+
+    let mut assets = Assets::new(AssetOptions { time_seconds: Some(1.0), ..AssetOptions::default() });
+    let model = Scene::load_with(&folder.path("triangle.ply"), &mut assets).unwrap();
+    let expected = "a time is given, but nothing in the scene moves: only .gltf and .glb files have animations";
+    assert_eq!(model.warnings, [expected]);
 }
