@@ -10,7 +10,7 @@ use raggio_models::Format;
 use crate::assets::{Assets, is_model};
 use crate::convert;
 use crate::error::SceneError;
-use crate::fault::{Fault, Step, steps};
+use crate::fault::{Fault, Step};
 use crate::file::SceneFile;
 use crate::names::display_name;
 use crate::number::Version;
@@ -42,7 +42,7 @@ impl Scene {
         let (mut scene, mut warnings, document) = read_scene(&text, &name, path, assets)?;
         scene.warnings = if is_model(path) {
             // Nobody has seen the text of a model's scene, so neither its camera nor its lines are worth naming.
-            warnings.retain(|warning| !warning.path().starts_with(&steps!["camera"]));
+            warnings.retain(|warning| warning.path().first() != Some(&Step::from("camera")));
             summed_up(&warnings, &name, |warning| warning.sentence(""))
         } else {
             document.warnings(&warnings)
