@@ -122,19 +122,16 @@ fn range(value: &Value) -> String {
 
 /// Heading below which the page explains a table, as a link.
 fn heading(table: &str) -> Option<String> {
-    let own = match table {
-        "Render" => "#render",
-        "Camera" => "#camera",
-        "Environment" => "#environment",
-        "Material" => "#materialsname",
-        "TextureTable" => "#textures",
-        "Shape" => "#shapes",
-        "Principled" | "Sphere" | "Plane" | "Rectangle" | "Box" | "Mesh" => {
-            return Some(format!("#{}", table.to_lowercase()));
+    let word = table.to_lowercase();
+    match table {
+        "Material" => Some("#materialsname".to_string()),
+        "Shape" => Some("#shapes".to_string()),
+        "TextureTable" => Some("#textures".to_string()),
+        _ if ["[", ""].iter().any(|bracket| page().contains(&format!("## `{bracket}{word}"))) => {
+            Some(format!("#{word}"))
         }
-        _ => return None,
-    };
-    Some(own.to_string())
+        _ => None,
+    }
 }
 
 #[test]

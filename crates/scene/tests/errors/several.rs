@@ -32,6 +32,8 @@ plane = { point = [0, 0, 0], normal = [0, 0, 0] }
 sphere = { raduis = 1 }
 [[shapes]]
 material = "red"
+plane = { point = [0, 0, 0], normal = [0, 1, 0] }
+sphere = { center = [0, 0, 0], radius = 1 }
 "#,
         "scene.toml:3:9: `width` in [render] must be a whole number, not a string
 scene.toml:4:1: unknown key `spp` in [render]: did you mean `samples`?
@@ -49,7 +51,7 @@ scene.toml:20:39: `normal` in `plane` of shape 2 must not be zero: it gives a di
 scene.toml:21:1: `material` is missing in shape 3
 scene.toml:22:10: `center` is missing in `sphere` of shape 3
 scene.toml:22:12: unknown key `raduis` in `sphere` of shape 3: did you mean `radius`?
-scene.toml:23:1: shape 4 has no geometry: give it one of `sphere`, `plane`, `rectangle`, `box`, `mesh`",
+scene.toml:25:1: shape 4 has both `sphere` and `plane`: write a `[[shapes]]` for each",
     ),
     (
         "all that is missing",
