@@ -40,7 +40,11 @@ impl From<SceneError> for Failure {
 
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
-        Self::Input(error.to_string())
+        match error {
+            OutputError::Unwritable { path, source } => cannot_write(&path, &source),
+            // Terminals read it, so that control characters of a name are escaped.
+            error => Self::Input(display_name(Path::new(&error.to_string()))),
+        }
     }
 }
 

@@ -8,7 +8,7 @@ mod principled;
 mod shapes;
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 use raggio_models::Format;
@@ -27,7 +27,7 @@ const PARALLEL: f64 = 1e-5;
 /// The scene and, apart from it, its warnings; it is sound if `review` has no faults. Paths are relative to `folder`.
 pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets, review: &Review) -> (Scene, Vec<Fault>) {
     let mut warnings = Vec::new();
-    let files = &mut Files { folder, assets, review };
+    let files = &mut Files { folder, assets, review, troubles: HashMap::new() };
     review.accept(check_camera(&file.camera));
     let environment = file.environment.as_ref().and_then(|file| review.accept(environment::environment(file, files)));
     let materials = materials::materials(&file.materials, files, &mut warnings);
@@ -66,6 +66,8 @@ struct Files<'a> {
     folder: &'a Path,
     assets: &'a mut Assets,
     review: &'a Review,
+    /// Troubles of the files that could not be read.
+    troubles: HashMap<PathBuf, String>,
 }
 
 /// A scene whose shapes are being added.

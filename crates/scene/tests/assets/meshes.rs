@@ -142,6 +142,19 @@ fn what_is_shared_is_counted_once() {
 }
 
 #[test]
+fn a_broken_file_is_told_wherever_it_is_named() {
+    let folder = Folder::new();
+    folder.write("broken.ply", "ply\nformat ascii 1.0\n");
+    let shape = "[[shapes]]\nmaterial = \"red\"\nmesh = { file = \"broken.ply\" }\n";
+    let error = folder.error(&format!("{LIGHT}{shape}{shape}[[shapes]]\nmesh = {{ file = \"triangle.ply\" }}\n"));
+    let lines: Vec<&str> = error.lines().collect();
+    let [first, second, third] = lines[..] else { panic!("three lines in {error}") };
+    let of_model = first.strip_prefix("scene.toml:11:17: broken.ply:").unwrap();
+    assert_eq!(second, format!("scene.toml:14:17: broken.ply:{of_model}"));
+    assert_eq!(third, "scene.toml:15:1: `material` is missing in shape 3: `triangle.ply` has no materials of its own");
+}
+
+#[test]
 fn a_time_of_what_stands_still() {
     let folder = Folder::new();
     let text = format!("{LIGHT}[[shapes]]\nmaterial = \"red\"\nmesh = {{ file = \"triangle.ply\", time = 2 }}\n");
