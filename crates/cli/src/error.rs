@@ -43,7 +43,7 @@ impl From<OutputError> for Failure {
         match error {
             OutputError::Unwritable { path, source } => cannot_write(&path, &source),
             // Terminals read it, so that control characters of a name are escaped.
-            error => Self::Input(display_name(Path::new(&error.to_string()))),
+            error => Self::Input(display_name(error.to_string().as_ref())),
         }
     }
 }
@@ -87,11 +87,8 @@ pub fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {
     Failure::Input(format!("cannot write {}: {}", display_name(path), of_system(error)))
 }
 
-/// The system's own words. Around them may stand the name of a temporary file, which nobody has asked for.
+/// The system's own words. `tempfile` puts the name of a temporary file behind them, which nobody has asked for.
 fn of_system(error: &std::io::Error) -> String {
-    let mut words: &dyn std::error::Error = error;
-    while let Some(inner) = words.source() {
-        words = inner;
-    }
-    words.to_string()
+    let words = error.to_string();
+    words.split_once(" at path \"").map_or(words.as_str(), |(words, _)| words).to_string()
 }
