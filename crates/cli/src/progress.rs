@@ -3,6 +3,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use raggio_render::{Film, Progress, UNLIMITED_SAMPLES};
+use raggio_scene::counted;
 
 use crate::output::say;
 
@@ -81,8 +82,9 @@ impl Reporter {
             self.say(&format!("{fewest} to {most} samples per pixel, {mean:.1} on average"));
         } else if progress.samples < target {
             let is_limited = target < UNLIMITED_SAMPLES;
-            let of = if is_limited { format!("stopped early: {fewest} of {target}") } else { fewest.to_string() };
-            self.say(&format!("{of} samples per pixel"));
+            let early = if is_limited { format!("stopped early: {fewest} of ") } else { String::new() };
+            let number = if is_limited { target } else { fewest };
+            self.say(&format!("{early}{} per pixel", counted(number as usize, "sample")));
         }
         let seconds = progress.seconds.max(1e-9);
         self.say(&format!(
@@ -98,8 +100,12 @@ impl Reporter {
 
 fn describe(progress: &Progress, end: End) -> String {
     let rate = progress.total_samples as f64 / progress.seconds.max(1e-9);
-    let of = if end.samples < UNLIMITED_SAMPLES { format!("/{}", end.samples) } else { String::new() };
-    let mut text = format!("{}{of} samples  {} samples/s", progress.samples, millions(rate));
+    let samples = if end.samples < UNLIMITED_SAMPLES {
+        format!("{}/{}", progress.samples, counted(end.samples as usize, "sample"))
+    } else {
+        counted(progress.samples as usize, "sample")
+    };
+    let mut text = format!("{samples}  {} samples/s", millions(rate));
     if let Some(noise) = progress.noise.filter(|noise| noise.error.is_finite()) {
         let [error, resting] = [noise.error, noise.resting].map(|part| 100.0 * part);
         text += &format!("  error {error:.1} %, {resting:.0} % of the picture done");

@@ -11,7 +11,7 @@ use raggio_render::{
     Aov, Choice, Denoiser, Display, ImageFile, Observer, Picture, Progress, RenderRequest, Rendering, Stop,
     UNLIMITED_SAMPLES,
 };
-use raggio_scene::{Assets, Integrator, Scene};
+use raggio_scene::{Assets, Integrator, Scene, counted, display_name};
 
 use crate::args::{DemoArguments, MachineArguments, Overrides, RenderArguments};
 use crate::error::{Failure, cannot_write};
@@ -164,7 +164,7 @@ fn write(picture: &Picture, files: &[ImageFile], display: Display, reporter: &Re
     let mut outcome = Ok(());
     for file in files {
         match picture.write(file, display) {
-            Ok(()) => reporter.say(&format!("wrote {}", file.path().display())),
+            Ok(()) => reporter.say(&format!("wrote {}", display_name(file.path()))),
             Err(error) => outcome = outcome.and(Err(error.into())),
         }
     }
@@ -189,7 +189,7 @@ impl Observer for Listener {
 }
 
 fn override_settings(scene: &mut Scene, overrides: &Overrides) {
-    let Overrides { samples, size, max_depth, seed, sampler, filter, clamp } = *overrides;
+    let Overrides { samples, size, max_depth, seed, sampler, filter, clamp, foreign: _ } = *overrides;
     let render = &mut scene.render;
     render.samples = samples.unwrap_or(render.samples);
     render.max_depth = max_depth.unwrap_or(render.max_depth);
@@ -205,7 +205,7 @@ fn override_settings(scene: &mut Scene, overrides: &Overrides) {
 /// End of the render that is asked for, in words.
 fn describe_end(samples: u32, stop: &Stop) -> String {
     let limits = [
-        (samples < UNLIMITED_SAMPLES).then(|| format!("{samples} samples")),
+        (samples < UNLIMITED_SAMPLES).then(|| counted(samples as usize, "sample")),
         stop.noise.map(|noise| format!("an error below {noise}")),
         stop.time_limit.map(|seconds| format!("{seconds} s")),
     ];

@@ -19,6 +19,51 @@ fn scene_errors_name_file_line_and_remedy() {
 }
 
 #[test]
+fn all_mistakes_of_a_scene_are_told() {
+    let folder = folder_with(&SCENE.replace("samples = 4", "spp = 4").replace("radius = 1", "radius = 0"));
+    let output = raggio(folder.path(), &["check", "scene.toml"]);
+    let expected = "error: scene.toml:5:1: unknown key `spp` in [render]: did you mean `samples`?\n\
+                    scene.toml:16:41: `radius` in `sphere` of shape 1 must be greater than 0, not `0`\n";
+    assert_refused(&output, expected);
+}
+
+#[test]
+fn files_of_other_programs_are_no_scenes() {
+    let folder = folder_with(SCENE);
+    std::fs::write(folder.path().join("chair.fbx"), b"Kaydara FBX Binary  \0\x1a\0").expect("a file");
+    let expected =
+        "error: chair.fbx: is neither a scene nor a model that can be read: give a .toml scene or a .gltf, .glb";
+    assert_refused(&raggio(folder.path(), &["render", "chair.fbx"]), expected);
+}
+
+/// Names that would clear the screen of whoever reads the message.
+#[test]
+fn names_are_escaped() {
+    let folder = folder_with(SCENE);
+    let there = |path: &str| raggio(folder.path(), &["check", path]);
+    assert_refused(&there("\u{1b}[2J.toml"), "error: \\u{1b}[2J.toml: there is no such file");
+    std::fs::write(folder.path().join("\u{1b}.toml"), SCENE).expect("a file");
+    assert_eq!(text(&there("\u{1b}.toml").stdout), "\\u{1b}.toml: 1 shape, 1 material, 32x24, 4 samples\n");
+    let stats = ["render", "scene.toml", "--device", "cpu", "--stats", "nowhere\u{1b}/stats.json"];
+    let refused = raggio(folder.path(), &stats);
+    assert_refused(&refused, "error: cannot write nowhere\\u{1b}/stats.json: ");
+    assert!(!text(&refused.stderr).contains(".raggio-"), "{}", text(&refused.stderr));
+    let picture = |name: &str| raggio(folder.path(), &["render", "scene.toml", "--device", "cpu", "-o", name]);
+    let refused = picture("nowhere\u{1b}/a.png");
+    assert_refused(&refused, "error: cannot write nowhere\\u{1b}/a.png: ");
+    assert!(!text(&refused.stderr).contains(".raggio-"), "{}", text(&refused.stderr));
+    assert_refused(&picture("a.\u{1b}"), "error: a.\\u{1b}: the ending must be ");
+}
+
+#[test]
+fn one_of_a_thing_is_no_plural() {
+    let folder = folder_with(&SCENE.replace("samples = 4", "samples = 1"));
+    assert!(text(&raggio(folder.path(), &["check", "scene.toml"]).stdout).ends_with(", 1 sample\n"));
+    let rendered = raggio(folder.path(), &["render", "scene.toml", "--device", "cpu"]);
+    assert!(text(&rendered.stderr).contains("32x24, 1 sample on "), "{}", text(&rendered.stderr));
+}
+
+#[test]
 fn a_missing_scene_is_named() {
     let folder = folder_with(SCENE);
     assert_refused(&raggio(folder.path(), &["render", "nothing.toml"]), "nothing.toml: ");
@@ -53,6 +98,8 @@ fn wrong_arguments_are_explained() {
     refused(&["--exposure", "200"], "give stops between -32 and 32");
     refused(&["--integrator", "magic"], "possible values: path, reference");
     refused(&["--sampels", "3"], "'--samples'");
+    refused(&["--spp", "3"], "a similar argument exists: '--samples'");
+    refused(&["--width", "640"], "a similar argument exists: '--size'");
     assert!(!folder.path().join("scene.png").exists());
 }
 

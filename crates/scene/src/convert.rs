@@ -8,34 +8,36 @@ mod principled;
 mod shapes;
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
+use raggio_models::Format;
 
 use crate::assets::{Assets, Imported};
 use crate::fault::{Fault, steps};
-use crate::file::{CameraFile, RenderFile, SceneFile};
+use crate::file::{CameraFile, MeshFile, RenderFile, SceneFile, ShapeFile};
 use crate::names;
 use crate::number::SMALLEST;
+use crate::review::Review;
 use crate::scene::{Camera, Environment, Material, RenderSettings, Scene, Shape};
 
 /// Sine of the smallest angle between `up` and the viewing direction.
 const PARALLEL: f64 = 1e-5;
 
-/// The scene and, apart from it, its warnings; or the first fault in the order of the sections. Paths are relative to
-/// `folder`.
-pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets) -> Result<(Scene, Vec<Fault>), Fault> {
+/// The scene and, apart from it, its warnings; it is sound if `review` has no faults. Paths are relative to `folder`.
+pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets, review: &Review) -> (Scene, Vec<Fault>) {
     let mut warnings = Vec::new();
-    let files = &mut Files { folder, assets };
-    let camera = camera(&file.camera)?;
-    let environment = file.environment.as_ref().map(|file| environment::environment(file, files)).transpose()?;
-    let materials = materials::materials(&file.materials, files, &mut warnings)?;
+    let files = &mut Files { folder, assets, review, troubles: HashMap::new() };
+    review.accept(check_camera(&file.camera));
+    let environment = file.environment.as_ref().and_then(|file| review.accept(environment::environment(file, files)));
+    let materials = materials::materials(&file.materials, files, &mut warnings);
+    let shapes = &file.shapes.0;
     let mut scene = Scene {
         render: render(&file.render),
-        camera,
+        camera: camera(&file.camera),
         environment: environment.unwrap_or(Environment::Constant(Vec3::ZERO)),
-        shapes: Vec::with_capacity(file.shapes.len()),
-        entries: Vec::with_capacity(file.shapes.len()),
+        shapes: Vec::with_capacity(shapes.len()),
+        entries: Vec::with_capacity(shapes.len()),
         materials,
         lights: Vec::new(),
         warnings: Vec::new(),
@@ -44,18 +46,28 @@ pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets) -> Res
     let indices = names.map(|(index, (name, _))| (name.as_str(), index)).collect();
     let mut builder =
         Builder { scene: &mut scene, files, indices, warnings: &mut warnings, first_materials: HashMap::new() };
-    for (index, shape) in file.shapes.iter().enumerate() {
-        builder.add(index, shape, &file.materials)?;
+    for (index, shape) in shapes.iter().enumerate() {
+        review.accept(builder.add(index, shape, &file.materials));
+        if review.is_full() {
+            break;
+        }
     }
-    warnings.extend(sheets(&scene, file));
-    warnings.extend(darkness(&scene));
-    Ok((scene, warnings))
+    if review.count() == 0 {
+        warnings.extend(radians(&file.camera));
+        warnings.extend(sheets(&scene, shapes));
+        warnings.extend(stillness(shapes, assets.options().time_seconds));
+        warnings.extend(darkness(&scene));
+    }
+    (scene, warnings)
 }
 
-/// Places of a scene's files.
+/// Places of a scene's files, and what is wrong with the scene.
 struct Files<'a> {
     folder: &'a Path,
     assets: &'a mut Assets,
+    review: &'a Review,
+    /// Troubles of the files that could not be read.
+    troubles: HashMap<PathBuf, String>,
 }
 
 /// A scene whose shapes are being added.
@@ -94,26 +106,31 @@ fn render(file: &RenderFile) -> RenderSettings {
     }
 }
 
-/// Camera of the file. Numbers are checked as 32-bit floats: two points that these cannot tell apart are equal.
-fn camera(file: &CameraFile) -> Result<Camera, Fault> {
-    let position = vec3(file.position);
-    let look_at = vec3(file.look_at);
-    let towards = look_at.as_dvec3() - position.as_dvec3();
+fn camera(file: &CameraFile) -> Camera {
+    let focus_distance = file.focus_distance.map_or_else(|| towards(file).length(), f64::from);
+    Camera {
+        position: vec3(file.position),
+        look_at: vec3(file.look_at),
+        up: vec3(file.up),
+        vertical_fov_degrees: file.vertical_fov_degrees.0 as f32,
+        aperture_radius: file.aperture_radius.0 as f32,
+        focus_distance: focus_distance as f32,
+    }
+}
+
+/// Viewing direction, of 32-bit floats: two points that these cannot tell apart are equal.
+fn towards(file: &CameraFile) -> DVec3 {
+    vec3(file.look_at).as_dvec3() - vec3(file.position).as_dvec3()
+}
+
+fn check_camera(file: &CameraFile) -> Result<(), Fault> {
+    let towards = towards(file);
     if towards.length() < SMALLEST {
         let message = "`look_at` in [camera] is the same point as `position`: move one of them, \
                        so that the camera looks somewhere";
         return Err(Fault::value(steps!["camera", "look_at"], message));
     }
-    check_up(dvec3(file.up), towards)?;
-    let focus_distance = file.focus_distance.map_or(towards.length(), f64::from);
-    Ok(Camera {
-        position,
-        look_at,
-        up: vec3(file.up),
-        vertical_fov_degrees: file.vertical_fov_degrees.0 as f32,
-        aperture_radius: file.aperture_radius.0 as f32,
-        focus_distance: focus_distance as f32,
-    })
+    check_up(dvec3(file.up), towards)
 }
 
 fn check_up(up: DVec3, towards: DVec3) -> Result<(), Fault> {
@@ -141,11 +158,44 @@ fn perpendicular_axis(towards: DVec3) -> &'static str {
     }
 }
 
+/// A warning of an angle of view that may be meant in radians: 3.2 is just above half a turn.
+fn radians(file: &CameraFile) -> Option<Fault> {
+    const HALF_TURN: f64 = 3.2;
+    let angle = file.vertical_fov_degrees.0;
+    if angle >= HALF_TURN {
+        return None;
+    }
+    let degrees = (10.0 * angle.to_degrees()).round() / 10.0;
+    let message = format!(
+        "`vertical_fov_degrees` in [camera] is {angle}, which shows very little: if these are radians, write {degrees}"
+    );
+    Some(Fault::value(steps!["camera", "vertical_fov_degrees"], message))
+}
+
+/// Warnings of moments at which nothing is different: only glTF's files move.
+fn stillness(shapes: &[ShapeFile], overriding: Option<f64>) -> Vec<Fault> {
+    let format = |mesh: &MeshFile| Format::of_path(Path::new(&mesh.file));
+    let meshes = shapes.iter().enumerate().filter_map(|(index, shape)| Some((index, shape.mesh.as_ref()?)));
+    let still = meshes.filter_map(|(index, mesh)| Some((index, mesh, format(mesh)?)));
+    let (moving, still): (Vec<_>, Vec<_>) = still.partition(|(.., format)| format.is_animated());
+    if overriding.is_some() {
+        let message = "a time is given, but nothing in the scene moves: only .gltf and .glb files have animations";
+        return moving.is_empty().then(|| Fault::value(Vec::new(), message)).into_iter().collect();
+    }
+    let timed = still.into_iter().filter(|(_, mesh, _)| mesh.time.is_some());
+    let warn = |(index, _, format): (usize, &MeshFile, Format)| {
+        let message =
+            format!("`time` in `mesh` of shape {} does nothing: .{format} files have no animations", index + 1);
+        Fault::key(steps!["shapes", index, "mesh", "time"], message)
+    };
+    timed.map(warn).collect()
+}
+
 /// A warning of each dielectric without an inside.
-fn sheets(scene: &Scene, file: &SceneFile) -> Vec<Fault> {
+fn sheets(scene: &Scene, shapes: &[ShapeFile]) -> Vec<Fault> {
     let is_dielectric = |shape: &&Shape| scene.materials[shape.material].is_dielectric();
     let sheets = scene.shapes.iter().filter(|shape| shape.geometry.is_sheet()).filter(is_dielectric);
-    sheets.map(|shape| sheet(shape, file.shapes[shape.entry].material.as_deref().unwrap_or_default())).collect()
+    sheets.map(|shape| sheet(shape, shapes[shape.entry].material.as_deref().unwrap_or_default())).collect()
 }
 
 fn sheet(shape: &Shape, material: &str) -> Fault {

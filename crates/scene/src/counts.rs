@@ -20,6 +20,16 @@ pub struct Counts {
     pub textures: usize,
 }
 
+/// Number and noun, in the plural where there is not just one: `1 sample`, `2 samples`.
+pub fn counted(number: usize, noun: &str) -> String {
+    let ending = match noun {
+        _ if number == 1 => "",
+        _ if noun.ends_with("sh") => "es",
+        _ => "s",
+    };
+    format!("{number} {noun}{ending}")
+}
+
 impl Scene {
     /// Counts the things that take memory.
     pub fn counts(&self) -> Counts {
@@ -64,4 +74,16 @@ fn textures(surface: &Principled) -> impl Iterator<Item = &Texture> {
         &surface.iridescence_thickness_texture,
     ];
     textures.into_iter().flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::counted;
+
+    #[test]
+    fn nouns_agree_with_their_number() {
+        assert_eq!(counted(0, "shape"), "0 shapes");
+        assert_eq!(counted(1, "mesh"), "1 mesh");
+        assert_eq!(counted(2, "mesh"), "2 meshes");
+    }
 }

@@ -1,11 +1,11 @@
 //! The one error of this crate.
 
-/// A problem of a scene, and its place.
+/// A problem of a scene and its place, and the scene's other problems.
 ///
-/// The error is displayed as `file:line:column: message`, as `file:line: message` (a model's), or as `file: message`
-/// when there is no place to name.
+/// Each problem is displayed in a line, as `file:line:column: message`, as `file:line: message` (a model's), or as
+/// `file: message` when there is no place to name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}: {message}", place(.file, *.line, *.column))]
+#[error("{}: {message}{}", place(.file, *.line, *.column), lines(.others))]
 pub struct SceneError {
     /// The file, as the caller named it.
     pub file: String,
@@ -15,12 +15,14 @@ pub struct SceneError {
     pub column: usize,
     /// One sentence that says what is wrong and what would be right.
     pub message: String,
+    /// Problems that stand further down in the file; the last may say how many more there are.
+    pub others: Vec<SceneError>,
 }
 
 impl SceneError {
     /// An error about the file as a whole.
     pub(crate) fn whole_file(file: impl Into<String>, message: impl Into<String>) -> Self {
-        Self { file: file.into(), line: 0, column: 0, message: message.into() }
+        Self { file: file.into(), line: 0, column: 0, message: message.into(), others: Vec::new() }
     }
 }
 
@@ -31,4 +33,9 @@ pub(crate) fn place(file: &str, line: usize, column: usize) -> String {
         (_, 0) => format!("{file}:{line}"),
         _ => format!("{file}:{line}:{column}"),
     }
+}
+
+/// Errors, each in a line of its own that follows another.
+fn lines(errors: &[SceneError]) -> String {
+    errors.iter().map(|error| format!("\n{error}")).collect()
 }

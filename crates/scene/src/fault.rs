@@ -2,6 +2,7 @@
 
 use std::fmt::{self, Display};
 
+use crate::hints;
 use crate::names;
 
 /// One step from a table or list to what it holds.
@@ -62,6 +63,8 @@ pub(crate) enum Kind {
     Value(String),
     /// A fault of the key, as a whole sentence.
     Key(String),
+    /// A fault that the review has noted already.
+    Noted,
 }
 
 impl Fault {
@@ -85,7 +88,12 @@ impl Fault {
         self
     }
 
-    fn below(mut self, path: Vec<Step>) -> Self {
+    /// Whether the fault is one of the very value whose reading ended with it, and not of one further in.
+    pub(crate) fn is_here(&self) -> bool {
+        self.steps_inwards.is_empty()
+    }
+
+    pub(crate) fn below(mut self, path: Vec<Step>) -> Self {
         self.steps_inwards.extend(path.into_iter().rev());
         self
     }
@@ -93,6 +101,45 @@ impl Fault {
     /// Path from the top of the file.
     pub(crate) fn path(&self) -> Vec<Step> {
         self.steps_inwards.iter().rev().cloned().collect()
+    }
+
+    /// Path of what is at fault, with the key that is unknown or missing.
+    pub(crate) fn place(&self) -> Vec<Step> {
+        let mut path = self.path();
+        match &self.kind {
+            Kind::UnknownKey { key, .. } => path.push(Step::Key(key.clone())),
+            Kind::MissingKey(key) => path.push(Step::from(*key)),
+            _ => {}
+        }
+        path
+    }
+
+    /// Key that an unknown one is taken for.
+    pub(crate) fn meant(&self) -> Option<&'static str> {
+        match &self.kind {
+            Kind::UnknownKey { key, known } => hints::meant(&self.path(), key, known),
+            _ => None,
+        }
+    }
+
+    /// What the fault has in common with others of its kind: its key and its sentence, without numbers and without names
+    /// in quotes or brackets.
+    pub(crate) fn likeness(&self) -> String {
+        let mut likeness = match self.path().pop() {
+            Some(Step::Key(key)) => key + " ",
+            _ => String::new(),
+        };
+        let mut closing = None;
+        for character in self.sentence("").chars() {
+            match (closing, character) {
+                (Some(end), _) => closing = closing.filter(|_| character != end),
+                (None, '`' | '"') => closing = Some(character),
+                (None, '[') => closing = Some(']'),
+                (None, _) if !character.is_ascii_digit() => likeness.push(character),
+                (None, _) => {}
+            }
+        }
+        likeness
     }
 
     /// Sentence for the user; `text` is the value in question as the file writes it.
@@ -114,12 +161,13 @@ impl Fault {
                 format!("{} {must}, not {text}{advice}", subject(&path))
             }
             Kind::Value(sentence) | Kind::Key(sentence) => sentence.clone(),
+            Kind::Noted => String::new(),
         }
     }
 }
 
 fn unknown_key(path: &[Step], key: &str, known: &[&str]) -> String {
-    let hint = names::hint(key, known);
+    let hint = hints::hint(path, key, known);
     format!("unknown key {} {}: {hint}", names::quoted(key), place(path))
 }
 

@@ -7,7 +7,7 @@ mod principled;
 use std::fmt;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::de::{MapAccess, Visitor};
+use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Value, json};
 
@@ -49,7 +49,7 @@ pub(crate) struct SceneFile {
     pub materials: Materials,
     /// Shapes that there are to see, in any order.
     #[serde(default)]
-    pub shapes: Vec<ShapeFile>,
+    pub shapes: Shapes,
 }
 
 /// Size and quality of the picture; the command line overrides it.
@@ -117,9 +117,11 @@ pub(crate) struct EnvironmentFile {
     pub zenith: Option<Radiance>,
     /// Latitude-longitude image (HDR, EXR, PNG, JPEG, WebP, KTX2), its path relative to the scene file; its centre is seen along -Z, its right along +X, its top along +Y.
     pub image: Option<String>,
-    /// Angle by which the image is turned about the y axis, counter-clockwise seen from above; needs `image`. Default 0.
+    /// Angle by which the image is turned about the y axis, counter-clockwise seen from above; needs `image`.
+    #[schemars(extend("default" = 0.0))]
     pub rotation_degrees: Option<Coordinate>,
-    /// Factor that multiplies the image; needs `image`. Default 1.
+    /// Factor that multiplies the image; needs `image`.
+    #[schemars(extend("default" = 1.0))]
     pub intensity: Option<Brightness>,
 }
 
@@ -129,7 +131,8 @@ pub(crate) struct EnvironmentFile {
 #[schemars(extend("if" = { "required": ["principled"] }, "then" = { "maxProperties": 1 }))]
 #[schemars(rename = "Material")]
 pub(crate) struct MaterialFile {
-    /// Part of the light that is reflected, or transmitted; default [0.8, 0.8, 0.8], but [0, 0, 0] when `emission_strength` is greater than 0.
+    /// Part of the light that is reflected, or transmitted; [0, 0, 0] by default when `emission_strength` is greater than 0.
+    #[schemars(extend("default" = [0.8, 0.8, 0.8]))]
     pub color: Option<[Reflectance; 3]>,
     /// Colour of the emitted light.
     #[schemars(extend("default" = [1.0, 1.0, 1.0]))]
@@ -142,9 +145,11 @@ pub(crate) struct MaterialFile {
     pub smoothness: Option<Fraction>,
     /// Refractive index, which makes the material a dielectric, such as glass (1.5) or water (1.33); absent: opaque.
     pub refractive_index: Option<RefractiveIndex>,
-    /// Probability that a dielectric reflects: "fresnel" (default), or one number for every angle.
+    /// Probability that a dielectric reflects: "fresnel", or one number for every angle.
+    #[schemars(extend("default" = "fresnel"))]
     pub reflection: Option<ReflectionFile>,
-    /// Priority among overlapping dielectrics: the higher one wins, and of equal ones the one entered last. Default 0.
+    /// Priority among overlapping dielectrics: the higher one wins, and of equal ones the one entered last.
+    #[schemars(extend("default" = 0))]
     pub priority: Option<Priority>,
     /// A physically based material with glTF's names and meanings; no other key may stand beside it.
     pub principled: Option<PrincipledFile>,
@@ -273,7 +278,8 @@ pub(crate) struct MeshFile {
     /// Angles by which the model is turned, about the fixed x axis first, then y, then z.
     #[serde(default = "origin")]
     pub rotation_degrees: Point,
-    /// One factor, or one for each of x, y and z; not 0, negative ones mirror. Default 1.
+    /// One factor, or one for each of x, y and z; not 0, negative ones mirror.
+    #[schemars(extend("default" = 1.0))]
     pub scale: Option<ScaleFile>,
     /// Moment of the file's animations, in seconds from their beginning; absent: the pose of rest.
     pub time: Option<NonNegative>,
@@ -311,8 +317,11 @@ impl<'de> Visitor<'de> for MaterialsVisitor {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Materials, A::Error> {
         let mut materials = Vec::new();
-        while let Some(entry) = map.next_entry()? {
-            materials.push(entry);
+        while let Some(name) = map.next_key()? {
+            // What is wrong with a material has been noted by the reader, which goes on.
+            if let Ok(material) = map.next_value() {
+                materials.push((name, material));
+            }
         }
         Ok(Materials(materials))
     }
@@ -329,6 +338,52 @@ impl JsonSchema for Materials {
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         <std::collections::BTreeMap<String, MaterialFile>>::json_schema(generator)
+    }
+}
+
+/// Shapes in the order of the file.
+#[derive(Debug, Default)]
+pub(crate) struct Shapes(pub Vec<ShapeFile>);
+
+impl<'de> Deserialize<'de> for Shapes {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_seq(ShapesVisitor)
+    }
+}
+
+struct ShapesVisitor;
+
+impl<'de> Visitor<'de> for ShapesVisitor {
+    type Value = Shapes;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("a list")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Shapes, A::Error> {
+        let mut shapes = Vec::with_capacity(list.size_hint().unwrap_or_default());
+        loop {
+            match list.next_element() {
+                Ok(Some(shape)) => shapes.push(shape),
+                Ok(None) => return Ok(Shapes(shapes)),
+                // What is wrong with a shape has been noted by the reader, which goes on.
+                Err(_) => {}
+            }
+        }
+    }
+}
+
+impl JsonSchema for Shapes {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Shapes".into()
+    }
+
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        <Vec<ShapeFile>>::json_schema(generator)
     }
 }
 

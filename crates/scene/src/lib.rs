@@ -2,8 +2,8 @@
 //!
 //! A scene file goes one way through this crate: TOML text is read into types that mirror the
 //! file (`file`), each of whose numbers checks its own range (`number`); what needs more than one
-//! key is checked while those types become a [`Scene`] (`convert`). Every error names the place
-//! in the file, what is wrong there and what would be right. Models and images that the file names are read once and
+//! key is checked while those types become a [`Scene`] (`convert`). What is wrong is gathered on the way (`review`), and every
+//! error names the place in the file, what is wrong there and what would be right. Models and images that the file names are read once and
 //! kept in [`Assets`]; a model without a scene gets one that shows it (`showing`).
 //!
 //! ```
@@ -31,18 +31,20 @@ mod counts;
 mod error;
 mod fault;
 mod file;
+mod hints;
 mod load;
 mod named;
 mod names;
 mod number;
 mod reader;
+mod review;
 mod scene;
 mod schema;
 mod showing;
 mod source;
 
 pub use assets::{AssetOptions, Assets, is_model};
-pub use counts::Counts;
+pub use counts::{Counts, counted};
 pub use error::SceneError;
 pub use glam::{DAffine3, DMat3, DVec3, Vec3};
 pub use load::scene_text;

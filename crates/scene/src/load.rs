@@ -4,19 +4,21 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use serde::Deserialize;
+use raggio_choice::endings;
+use raggio_models::Format;
 
 use crate::assets::{Assets, is_model};
 use crate::convert;
 use crate::error::SceneError;
-use crate::fault::{Fault, Kind, Step};
+use crate::fault::{Fault, Step};
 use crate::file::SceneFile;
 use crate::names::display_name;
 use crate::number::Version;
-use crate::reader::Node;
+use crate::reader;
+use crate::review::Review;
 use crate::scene::Scene;
 use crate::showing;
-use crate::source::{Document, MOST_WARNINGS, error_after};
+use crate::source::{Document, error_after, summed_up};
 
 /// Most bytes of a scene file: larger ones are refused before they are read; text of this size is a few million shapes.
 const MOST_BYTES: u64 = 64 << 20;
@@ -37,10 +39,11 @@ impl Scene {
     pub fn load_with(path: &Path, assets: &mut Assets) -> Result<Self, SceneError> {
         let text = scene_text(path, assets)?;
         let name = display_name(path);
-        let (mut scene, warnings, document) = read_scene(&text, &name, path, assets)?;
+        let (mut scene, mut warnings, document) = read_scene(&text, &name, path, assets)?;
         scene.warnings = if is_model(path) {
-            // Nobody has seen the text of a model's scene, so its lines are not worth naming.
-            warnings.iter().take(MOST_WARNINGS).map(|warning| warning.sentence("")).collect()
+            // Nobody has seen the text of a model's scene, so neither its camera nor its lines are worth naming.
+            warnings.retain(|warning| warning.path().first() != Some(&Step::from("camera")));
+            summed_up(&warnings, &name, |warning| warning.sentence(""))
         } else {
             document.warnings(&warnings)
         };
@@ -76,11 +79,23 @@ fn read_scene<'a>(
     assets: &mut Assets,
 ) -> Result<(Scene, Vec<Fault>, Document<'a>), SceneError> {
     let document = Document::parse(text, name)?;
+    check_version(&document)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let read = scene_file(&document).and_then(|file| convert::scene(&file, folder, assets));
-    let (scene, warnings) = read.map_err(|fault| document.error(&fault))?;
-    assets.sweep();
-    Ok((scene, warnings, document))
+    let review = Review::default();
+    let file: Option<SceneFile> = reader::read(document.root(), &review);
+    let scene = file.as_ref().map(|file| convert::scene(file, folder, assets, &review));
+    match scene {
+        Some((scene, warnings)) if review.count() == 0 => {
+            assets.sweep();
+            Ok((scene, warnings, document))
+        }
+        _ => {
+            let is_whole = scene.is_some() && !review.is_full();
+            let count = review.count();
+            let faults = review.into_faults();
+            Err(document.errors(&faults, is_whole.then(|| count - faults.len())))
+        }
+    }
 }
 
 /// The text of a scene file, which [`Scene::parse_with`] has still to check; for a model, that of a scene that shows it
@@ -93,17 +108,37 @@ pub fn scene_text(path: &Path, assets: &mut Assets) -> Result<String, SceneError
         return showing::text(path, assets);
     }
     let name = display_name(path);
-    let bytes = read(path).map_err(|message| SceneError::whole_file(&name, message))?;
+    let bytes = read(path);
+    if has_foreign_ending(path) && path.is_file() && !bytes.as_ref().is_ok_and(|bytes| names_version(bytes)) {
+        let models = endings::<Format>();
+        let message =
+            format!("is neither a scene nor a model that can be read: give a .toml scene or a {models} model");
+        return Err(SceneError::whole_file(&name, message));
+    }
+    let bytes = bytes.map_err(|message| SceneError::whole_file(&name, message))?;
     utf8(&bytes, &name).map(str::to_string)
 }
 
-/// Types of the scene file. Its version comes first: in a file of another version unknown keys are no mistakes.
-fn scene_file(document: &Document<'_>) -> Result<SceneFile, Fault> {
-    let root = document.root();
-    let version = root.get("version");
-    let version = version.ok_or_else(|| Fault::new(Kind::MissingKey("version")))?;
-    Version::deserialize(Node(version.get_ref())).map_err(|fault| fault.inside(Step::from("version")))?;
-    SceneFile::deserialize(Node(root))
+/// Whether the file is not called as scenes are.
+fn has_foreign_ending(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| !extension.eq_ignore_ascii_case("toml"))
+}
+
+/// Whether a line sets `version`, as one of every scene does.
+fn names_version(bytes: &[u8]) -> bool {
+    bytes.split(|byte| *byte == b'\n').any(|line| {
+        let rest = line.trim_ascii_start().strip_prefix(b"version");
+        rest.is_some_and(|rest| rest.trim_ascii_start().starts_with(b"="))
+    })
+}
+
+/// Checks the version before all else: in a file of another version unknown keys are no mistakes.
+fn check_version(document: &Document<'_>) -> Result<(), SceneError> {
+    let Some(version) = document.root().get("version") else { return Ok(()) };
+    reader::read_alone::<Version>(version.get_ref()).map(drop).map_err(|fault| {
+        let fault = fault.inside(Step::from("version"));
+        document.errors(&[fault], Some(0))
+    })
 }
 
 /// Bytes of the whole file, or the reason why it cannot be read.

@@ -2,22 +2,78 @@
 //!
 //! A deserializer of our own, because serde's generic messages neither name the key nor say what
 //! would be right: it answers every mismatch with a [`Fault`] and notes the path on the way out.
+//!
+//! serde ends at the first fault. To find them all, what is at fault is amended in the [`Review`] (an unknown key is left
+//! out, a wrong or missing value has a stand-in), and reading begins anew. Each material and each shape is a part of its
+//! own: a fault in one does not keep the others from being read, so that there are no more readings than the worst part
+//! has faults.
 
-use serde::de::{DeserializeSeed, Deserializer, Error as _, IntoDeserializer, MapAccess, SeqAccess, Visitor};
+mod stand_in;
+
+use std::iter::Enumerate;
+use std::marker::PhantomData;
+use std::slice;
+
+use serde::de::{
+    DeserializeOwned, DeserializeSeed, Deserializer, Error as _, IntoDeserializer, MapAccess, SeqAccess, Visitor,
+};
 use serde::forward_to_deserialize_any;
 use toml::Spanned;
-use toml::de::{DeInteger, DeValue};
+use toml::de::{DeInteger, DeTable, DeValue};
 
-use crate::fault::{Fault, Kind, Step};
+use crate::fault::{Fault, Kind, Step, steps};
 use crate::names;
+use crate::review::Review;
+use stand_in::StandIn;
+
+/// Most readings of one document; each finds at least one fault.
+const MOST_READINGS: usize = 20;
+
+/// The document as `T`, and in `review` what is wrong with it; `None` where there is too much of that.
+pub(crate) fn read<T: DeserializeOwned>(root: &DeValue<'_>, review: &Review) -> Option<T> {
+    for _ in 0..MOST_READINGS {
+        let before = review.met();
+        match read_value(PhantomData, Some(root), review) {
+            Ok(value) if review.met() == before => return Some(value),
+            Ok(_) => {}
+            Err(fault) => review.note(fault),
+        }
+        if review.is_full() {
+            break;
+        }
+    }
+    None
+}
+
+/// One value as `T`, or its first fault.
+pub(crate) fn read_alone<T: DeserializeOwned>(value: &DeValue<'_>) -> Result<T, Fault> {
+    T::deserialize(Node { value, review: &Review::default() })
+}
+
+/// Reads a value, or its stand-in where it is at fault or missing.
+fn read_value<'de, T: DeserializeSeed<'de>>(
+    seed: T,
+    value: Option<&'de DeValue<'de>>,
+    review: &'de Review,
+) -> Result<T::Value, Fault> {
+    match value {
+        Some(value) if !review.is_replaced(value) => {
+            seed.deserialize(Node { value, review }).inspect_err(|fault| review.amend(value, fault))
+        }
+        _ => seed.deserialize(StandIn),
+    }
+}
 
 /// One value of the document.
 #[derive(Clone, Copy)]
-pub(crate) struct Node<'de>(pub(crate) &'de DeValue<'de>);
+struct Node<'de> {
+    value: &'de DeValue<'de>,
+    review: &'de Review,
+}
 
 impl<'de> Node<'de> {
     fn is_not(self, expected: impl Into<String>) -> Fault {
-        let found = match self.0 {
+        let found = match self.value {
             DeValue::String(_) => Some("a string"),
             DeValue::Datetime(_) => Some("a date"),
             DeValue::Array(_) => Some("a list"),
@@ -28,8 +84,25 @@ impl<'de> Node<'de> {
         Fault::new(Kind::WrongType { expected, found })
     }
 
+    fn items(self, array: &'de [Spanned<DeValue<'de>>], is_list: bool) -> Items<'de> {
+        Items { rest: array.iter().enumerate(), review: self.review, is_list }
+    }
+
+    /// Entries of a table, without unknown keys and with the missing ones.
+    fn entries(
+        self,
+        table: &'de DeTable<'de>,
+        is_list: bool,
+    ) -> Entries<'de, impl Iterator<Item = (&'de str, Option<&'de DeValue<'de>>)>> {
+        let entries = table.iter().map(|(key, value)| (key.get_ref().as_ref(), value.get_ref()));
+        let known = entries.filter(move |(_, value)| !self.review.is_left_out(value));
+        let missing = self.review.missing_in(self.value).into_iter().map(|key| (key, None));
+        let rest = known.map(|(key, value)| (key, Some(value))).chain(missing);
+        Entries { rest, current: None, review: self.review, is_list }
+    }
+
     fn number(self) -> Result<f64, Fault> {
-        match self.0 {
+        match self.value {
             DeValue::Integer(integer) => Ok(whole(integer) as f64),
             DeValue::Float(float) => {
                 let number = float.as_str().parse();
@@ -51,25 +124,25 @@ impl<'de> Deserializer<'de> for Node<'de> {
     type Error = Fault;
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        match self.0 {
+        match self.value {
             DeValue::String(text) => visitor.visit_str(text),
             DeValue::Integer(_) | DeValue::Float(_) => visitor.visit_f64(self.number()?),
             DeValue::Boolean(value) => visitor.visit_bool(*value),
             DeValue::Datetime(_) => Err(self.is_not("a number or a string")),
-            DeValue::Array(_) => self.deserialize_seq(visitor),
-            DeValue::Table(_) => self.deserialize_map(visitor),
+            DeValue::Array(array) => visitor.visit_seq(self.items(array, false)),
+            DeValue::Table(table) => visitor.visit_map(self.entries(table, false)),
         }
     }
 
     fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        match self.0 {
+        match self.value {
             DeValue::Boolean(value) => visitor.visit_bool(*value),
             _ => Err(self.is_not("`true` or `false`")),
         }
     }
 
     fn deserialize_i128<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        match self.0 {
+        match self.value {
             DeValue::Integer(integer) => visitor.visit_i128(whole(integer)),
             _ => Err(self.is_not("a whole number")),
         }
@@ -80,7 +153,7 @@ impl<'de> Deserializer<'de> for Node<'de> {
     }
 
     fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        match self.0 {
+        match self.value {
             DeValue::String(text) => visitor.visit_str(text),
             _ => Err(self.is_not("a string")),
         }
@@ -100,16 +173,16 @@ impl<'de> Deserializer<'de> for Node<'de> {
 
     /// Reads a list of any length; the only one is that of the shapes.
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        match self.0 {
-            DeValue::Array(array) => visitor.visit_seq(Items(array.iter().enumerate())),
+        match self.value {
+            DeValue::Array(array) => visitor.visit_seq(self.items(array, true)),
             DeValue::Table(_) => Err(self.is_not("a list, written `[[shapes]]`")),
             _ => Err(self.is_not("a list")),
         }
     }
 
     fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, Fault> {
-        match self.0 {
-            DeValue::Array(array) if array.len() == length => visitor.visit_seq(Items(array.iter().enumerate())),
+        match self.value {
+            DeValue::Array(array) if array.len() == length => visitor.visit_seq(self.items(array, false)),
             DeValue::Array(array) => {
                 let (expected, found) = (length, array.len());
                 Err(Fault::new(Kind::WrongLength { expected, found }))
@@ -118,13 +191,10 @@ impl<'de> Deserializer<'de> for Node<'de> {
         }
     }
 
+    /// Reads a table of any keys; the only one is that of the materials.
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        match self.0 {
-            DeValue::Table(table) => {
-                let entries = table.iter();
-                let rest = entries.map(|(key, value)| (key.get_ref().as_ref(), value.get_ref()));
-                visitor.visit_map(Entries { rest, current: None })
-            }
+        match self.value {
+            DeValue::Table(table) => visitor.visit_map(self.entries(table, true)),
             _ => Err(self.is_not("a table")),
         }
     }
@@ -135,7 +205,10 @@ impl<'de> Deserializer<'de> for Node<'de> {
         _: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Fault> {
-        self.deserialize_map(visitor)
+        match self.value {
+            DeValue::Table(table) => visitor.visit_map(self.entries(table, false)),
+            _ => Err(self.is_not("a table")),
+        }
     }
 
     fn deserialize_enum<V: Visitor<'de>>(
@@ -144,7 +217,7 @@ impl<'de> Deserializer<'de> for Node<'de> {
         variants: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Fault> {
-        match self.0 {
+        match self.value {
             DeValue::String(text) => visitor.visit_enum(text.as_ref().into_deserializer()),
             _ => Err(self.is_not(names::strings(variants))),
         }
@@ -157,48 +230,63 @@ impl<'de> Deserializer<'de> for Node<'de> {
 }
 
 /// The elements of a list.
-struct Items<I>(I);
+struct Items<'de> {
+    rest: Enumerate<slice::Iter<'de, Spanned<DeValue<'de>>>>,
+    review: &'de Review,
+    /// Whether these are the shapes: the fault of one is noted, and the next may be asked for.
+    is_list: bool,
+}
 
-impl<'de, I> SeqAccess<'de> for Items<I>
-where
-    I: Iterator<Item = (usize, &'de Spanned<DeValue<'de>>)>,
-{
+impl<'de> SeqAccess<'de> for Items<'de> {
     type Error = Fault;
 
     fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Fault> {
-        let Some((index, value)) = self.0.next() else {
+        let Some((index, value)) = self.rest.next() else {
             return Ok(None);
         };
-        let element = seed.deserialize(Node(value.get_ref()));
-        element.map(Some).map_err(|fault| fault.inside(Step::Index(index)))
+        let element = read_value(seed, Some(value.get_ref()), self.review).map(Some);
+        element.map_err(|fault| match self.is_list {
+            true => self.review.note_part(fault, steps!["shapes", index]),
+            false => fault.inside(Step::Index(index)),
+        })
     }
 }
 
-/// The entries of a table; the key is kept until its value has been read.
+/// The entries of a table; the key is kept until its value, which a missing key has not, has been read.
 struct Entries<'de, I> {
     rest: I,
-    current: Option<(&'de str, &'de DeValue<'de>)>,
+    current: Option<(&'de str, Option<&'de DeValue<'de>>)>,
+    review: &'de Review,
+    /// Whether these are the materials: the fault of one is noted, and the next may be asked for.
+    is_list: bool,
 }
 
 impl<'de, I> MapAccess<'de> for Entries<'de, I>
 where
-    I: Iterator<Item = (&'de str, &'de DeValue<'de>)>,
+    I: Iterator<Item = (&'de str, Option<&'de DeValue<'de>>)>,
 {
     type Error = Fault;
 
     fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Fault> {
         self.current = self.rest.next();
-        let Some((key, _)) = self.current else {
+        let Some((key, value)) = self.current else {
             return Ok(None);
         };
-        seed.deserialize(key.into_deserializer()).map(Some)
+        let unknown = |_: &Fault| {
+            if let Some(value) = value {
+                self.review.leave_out(value);
+            }
+        };
+        seed.deserialize(key.into_deserializer()).map(Some).inspect_err(unknown)
     }
 
     fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Fault> {
         let Some((key, value)) = self.current.take() else {
             return Err(Fault::custom("must be preceded by its key"));
         };
-        let value = seed.deserialize(Node(value));
-        value.map_err(|fault| fault.inside(Step::from(key)))
+        read_value(seed, value, self.review).map_err(|fault| match self.is_list {
+            true => self.review.note_part(fault, steps!["materials", key]),
+            false => fault.inside(Step::from(key)),
+        })
     }
 }

@@ -2,7 +2,7 @@
 
 use schemars::generate::SchemaSettings;
 use schemars::transform::{Transform, transform_subschemas};
-use schemars::{Schema, SchemaGenerator};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::Value;
 
 use crate::file::SceneFile;
@@ -12,6 +12,13 @@ pub fn schema() -> String {
     let settings = SchemaSettings::draft2020_12().with_transform(WithoutNull);
     let schema = SchemaGenerator::new(settings).into_root_schema_for::<SceneFile>();
     format!("{:#}\n", schema.to_value())
+}
+
+/// Keys of a table of the scene file.
+pub(crate) fn keys<T: JsonSchema>() -> Vec<String> {
+    let table = T::json_schema(&mut SchemaGenerator::default());
+    let properties = table.get("properties").and_then(Value::as_object);
+    properties.map(|properties| properties.keys().cloned().collect()).unwrap_or_default()
 }
 
 /// Transform that leaves nulls out: TOML has none, an optional key is left out.

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use glam::{DAffine3, DMat3, DVec3};
-use raggio_models::{Camera, Place, Projection};
+use raggio_models::{Camera, Format, Place, Projection};
 
 use crate::assets::{Assets, Bounds, Imported, Trouble};
 use crate::error::SceneError;
@@ -46,7 +46,8 @@ pub(crate) fn text(path: &Path, assets: &mut Assets) -> Result<String, SceneErro
     let _ = writeln!(text, "[render]\nwidth = {width}\nheight = {height}");
     camera(&mut text, &model, bounds, f64::from(width) / f64::from(height));
     surroundings(&mut text, &model, bounds);
-    subject(&mut text, &model, file, assets.options().time_seconds, turned);
+    let is_animated = Format::of_path(path).is_some_and(Format::is_animated);
+    subject(&mut text, &model, file, assets.options().time_seconds.filter(|_| is_animated), turned);
     Ok(text)
 }
 

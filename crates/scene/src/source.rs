@@ -1,15 +1,23 @@
 //! The text of a scene file, the places of its values, and errors that name them.
 
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use toml::de::{DeTable, DeValue};
 
+use crate::counts::counted;
 use crate::error::SceneError;
 use crate::fault::{Fault, Kind, Step};
 use crate::names;
 
 /// Most warnings that are shown; more help nobody.
-pub(crate) const MOST_WARNINGS: usize = 100;
+const MOST_WARNINGS: usize = 100;
+
+/// Most warnings of one kind that are shown each; of more, the first is shown with their number.
+const MOST_ALIKE: usize = 3;
+
+/// Most errors that are shown at once.
+const MOST_ERRORS: usize = 20;
 
 /// A TOML document that keeps its text.
 pub(crate) struct Document<'a> {
@@ -31,21 +39,34 @@ impl<'a> Document<'a> {
         &self.root
     }
 
-    pub(crate) fn error(&self, fault: &Fault) -> SceneError {
+    fn error(&self, fault: &Fault) -> SceneError {
         let span = self.span(fault);
         let message = fault.sentence(self.lines.slice(&span));
         self.lines.error(span.start, message)
     }
 
+    /// One error for all of the faults, in the order of the file. `unseen` is the number of faults beyond these, and `None`
+    /// where nobody has counted them.
+    pub(crate) fn errors(&self, faults: &[Fault], unseen: Option<usize>) -> SceneError {
+        let mut errors: Vec<SceneError> = faults.iter().map(|fault| self.error(fault)).collect();
+        errors.sort_by_key(|error| (error.line, error.column));
+        errors.truncate(MOST_ERRORS);
+        let hidden = faults.len() - errors.len();
+        let rest = match unseen {
+            Some(unseen) if unseen + hidden == 0 => None,
+            Some(unseen) => Some(format!("and {} more", unseen + hidden)),
+            None if hidden == 0 => Some("and perhaps more".to_string()),
+            None => Some(format!("and at least {hidden} more")),
+        };
+        errors.extend(rest.map(|rest| SceneError::whole_file(self.lines.name, rest)));
+        let mut errors = errors.into_iter();
+        let first = errors.next().unwrap_or_else(|| SceneError::whole_file(self.lines.name, "is no scene"));
+        SceneError { others: errors.collect(), ..first }
+    }
+
     /// Warnings of the faults, each as `file:line:column: sentence`.
     pub(crate) fn warnings(&self, faults: &[Fault]) -> Vec<String> {
-        let shown = faults.iter().take(MOST_WARNINGS);
-        let mut warnings: Vec<String> = shown.map(|it| self.error(it).to_string()).collect();
-        if faults.len() > MOST_WARNINGS {
-            let rest = faults.len() - MOST_WARNINGS;
-            warnings.push(format!("{}: {rest} more warnings", self.lines.name));
-        }
-        warnings
+        summed_up(faults, self.lines.name, |fault| self.error(fault).to_string())
     }
 
     /// Span of the value or key in question; where that is not in the file (it has a default, or is missing), that of
@@ -67,6 +88,29 @@ impl<'a> Document<'a> {
         }
         found.1
     }
+}
+
+/// Warnings of the faults as `words` puts each. Of many alike the first stands for all.
+pub(crate) fn summed_up(faults: &[Fault], name: &str, words: impl Fn(&Fault) -> String) -> Vec<String> {
+    let kinds: Vec<String> = faults.iter().map(Fault::likeness).collect();
+    let mut numbers: HashMap<&str, usize> = HashMap::new();
+    kinds.iter().for_each(|kind| *numbers.entry(kind).or_default() += 1);
+    let mut warnings = Vec::new();
+    let mut summed = HashSet::new();
+    for (fault, kind) in faults.iter().zip(&kinds) {
+        match numbers[kind.as_str()] {
+            number if number <= MOST_ALIKE => warnings.push(words(fault)),
+            number if summed.insert(kind) => {
+                warnings.push(format!("{} (and {} more like this)", words(fault), number - 1));
+            }
+            _ => {}
+        }
+    }
+    if warnings.len() > MOST_WARNINGS {
+        let rest = warnings.split_off(MOST_WARNINGS).len();
+        warnings.push(format!("{name}: {}", counted(rest, "more warning")));
+    }
+    warnings
 }
 
 /// The value that `step` leads to, and its span or that of its key.
@@ -108,7 +152,7 @@ impl<'a> Lines<'a> {
         let start = self.starts[line - 1];
         let before = self.text.get(start..offset).unwrap_or_default();
         let column = before.trim_start_matches('\u{feff}').chars().count() + 1;
-        SceneError { file: self.name.to_string(), line, column, message }
+        SceneError { line, column, ..SceneError::whole_file(self.name, message) }
     }
 
     fn syntax_error(&self, error: &toml::de::Error) -> SceneError {
@@ -141,6 +185,22 @@ pub(crate) fn error_after(text: &str, name: &str, message: String) -> SceneError
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fault::steps;
+
+    /// Warnings that differ in more than names and numbers.
+    fn unlike(count: u32) -> Vec<Fault> {
+        let letter = |place: u32| char::from_u32('a' as u32 + place % 26).unwrap();
+        let words = (0..count).map(|i| format!("{}{} is odd", letter(i / 26), letter(i)));
+        words.map(|words| Fault::value(steps!["camera"], words)).collect()
+    }
+
+    #[test]
+    fn warnings_end() {
+        let words = |fault: &Fault| fault.sentence("");
+        assert_eq!(summed_up(&unlike(100), "it", words).len(), 100);
+        assert_eq!(summed_up(&unlike(101), "it", words)[100], "it: 1 more warning");
+        assert_eq!(summed_up(&unlike(103), "it", words)[100], "it: 3 more warnings");
+    }
 
     #[test]
     fn columns_count_characters() {

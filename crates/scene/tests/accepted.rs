@@ -278,9 +278,27 @@ fn warnings_of_darkness() {
 }
 
 #[test]
-fn warnings_end() {
-    let materials: String = (0..300).map(|i| format!("[materials.m{i}]\npriority = 1\n")).collect();
-    let scene = parse(&materials);
-    assert_eq!(scene.warnings.len(), 101);
-    assert_eq!(scene.warnings[100], "scene.toml: 201 more warnings");
+fn many_warnings_of_a_kind_are_one() {
+    let materials = |count: u32| (0..count).map(|i| format!("[materials.m{i}]\npriority = 1\n")).collect::<String>();
+    let light = "[environment]\ncolor = [1, 1, 1]\n";
+    let warning = |place: &str, i: u32| {
+        format!("scene.toml:{place}: `priority` in [materials.m{i}] does nothing without `refractive_index`")
+    };
+    let few = parse(&format!("{light}{}", materials(3)));
+    assert_eq!(few.warnings, [warning("9:1", 0), warning("11:1", 1), warning("13:1", 2)]);
+    let many = parse(&format!("{light}{}[materials.other]\nreflection = 1\n", materials(300)));
+    let other =
+        "scene.toml:609:1: `reflection` in [materials.other] does nothing without `refractive_index`".to_string();
+    assert_eq!(many.warnings, [format!("{} (and 299 more like this)", warning("9:1", 0)), other]);
+}
+
+#[test]
+fn a_warning_of_radians() {
+    let text = format!("{HEAD}[environment]\ncolor = [1, 1, 1]\n");
+    let warnings =
+        |angle: &str| Scene::parse(&text.replace("= 40", &format!("= {angle}")), "scene.toml").unwrap().warnings;
+    let expected = "scene.toml:5:24: `vertical_fov_degrees` in [camera] is 0.7, which shows very little: if these are \
+                    radians, write 40.1";
+    assert_eq!(warnings("0.7"), [expected]);
+    assert_eq!(warnings("3.2"), [""; 0]);
 }

@@ -36,6 +36,41 @@ fn a_file_that_is_not_there() {
 }
 
 #[test]
+fn files_of_other_programs() {
+    let folder = folder("foreign");
+    let expected = "is neither a scene nor a model that can be read: give a .toml scene or a .gltf, .glb, .ply, .obj or \
+                    .stl model";
+    for (name, bytes) in [
+        ("a.fbx", &b"Kaydara FBX Binary  \0\x1a\0\xe8\x1c"[..]),
+        ("a.blend", b"BLENDER-v300"),
+        ("a.pbrt", b"LookAt 0 0 0\n"),
+        ("a.xml", b"<scene version=\"3.0.0\">\n</scene>\n"),
+        ("a.usda", b"#usda 1.0\n"),
+        ("a.usdz", b"PK\x03\x04"),
+        ("a.PNG", b"\x89PNG\r\n\x1a\n"),
+        ("a.json", b""),
+    ] {
+        let path = folder.join(name);
+        fs::write(&path, bytes).unwrap();
+        assert_eq!(error(&path).to_string(), format!("{}: {expected}", path.display()));
+    }
+    let large = folder.join("large.blend");
+    fs::File::create(&large).unwrap().set_len((64 << 20) + 1).unwrap();
+    assert_eq!(error(&large).message, expected);
+    fs::remove_file(&large).unwrap();
+    assert_eq!(error(&folder.join("absent.fbx")).message, "there is no such file");
+}
+
+#[test]
+fn a_scene_by_another_name() {
+    let path = folder("renamed").join("scene.txt");
+    fs::write(&path, EXAMPLE).unwrap();
+    assert_eq!(Scene::load(&path).unwrap(), Scene::parse(EXAMPLE, "scene.toml").unwrap());
+    fs::write(&path, EXAMPLE.replace("look_at", "lookat")).unwrap();
+    assert_eq!(error(&path).message, "unknown key `lookat` in [camera]: did you mean `look_at`?");
+}
+
+#[test]
 fn a_folder() {
     let path = folder("folder");
     assert_eq!(error(&path).message, "is a folder: give a `.toml` scene file or a model");

@@ -6,4 +6,5 @@ mod common;
 mod errors;
 mod hostile;
 mod load;
+mod reference;
 mod schema;

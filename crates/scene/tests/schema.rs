@@ -1,6 +1,8 @@
 //! The JSON Schema says what the reader does.
 
-use crate::common::{EXAMPLE, reference_scene};
+use crate::assets::files::Folder;
+use crate::common::{EXAMPLE, assert_written, project_file, reference_scene};
+use raggio_scene::{Assets, Scene};
 use serde_json::{Value, json};
 
 fn schema() -> Value {
@@ -40,9 +42,7 @@ fn it_is_a_schema_and_introduces_itself() {
 
 #[test]
 fn the_shipped_one_is_up_to_date() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/scene.schema.json");
-    let shipped: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
-    assert!(schema() == shipped, "out of date: raggio schema > docs/scene.schema.json");
+    assert_written("docs/scene.schema.json", &raggio_scene::schema());
 }
 
 #[test]
@@ -172,4 +172,77 @@ fn every_key_is_in_it_with_a_description() {
     for key in words.split_whitespace() {
         assert!(keys.iter().any(|it| it == key), "{key}");
     }
+}
+
+/// Keys of a table of the schema with their defaults, as lines of TOML; `except` have none that may stand there.
+fn defaults(table: &str, except: &[&str]) -> Vec<String> {
+    let schema = schema();
+    let properties = schema["$defs"][table]["properties"].as_object().unwrap();
+    let with_default = properties.iter().filter_map(|(key, property)| Some((key, property.get("default")?)));
+    with_default.filter(|(key, _)| !except.contains(&key.as_str())).map(|(key, it)| format!("{key} = {it}")).collect()
+}
+
+/// Scenes with each table twice: without the keys that have defaults, and with the defaults that the schema names.
+#[test]
+fn its_defaults_are_those_of_the_reader() {
+    let folder = Folder::new();
+    let camera = "position = [0, 1, 4]\nlook_at = [0, 1, 0]\nvertical_fov_degrees = 40";
+    let scene = |tables: &str| {
+        let camera = if tables.contains("[camera]") { String::new() } else { format!("[camera]\n{camera}\n") };
+        let text = format!("version = 1\n{camera}{tables}\n");
+        let scene = raggio_scene::Scene::parse_with(&text, &folder.path("scene.toml"), &mut Assets::default());
+        Scene { warnings: vec![], ..scene.unwrap_or_else(|error| panic!("{error}\nin\n{text}")) }
+    };
+    let lines = |start: &str, defaults: Vec<String>| {
+        assert!(!defaults.is_empty());
+        assert_eq!(scene(start), scene(&format!("{start}\n{}", defaults.join("\n"))), "{start}");
+    };
+    let inline = |start: &str, defaults: Vec<String>| {
+        assert!(!defaults.is_empty());
+        assert_eq!(scene(&format!("{start} }}")), scene(&format!("{start}, {} }}", defaults.join(", "))), "{start}");
+    };
+    lines("[render]", defaults("Render", &[]));
+    lines(&format!("[camera]\n{camera}"), defaults("Camera", &[]));
+    lines("[environment]\nimage = \"pixel.hdr\"", defaults("Environment", &[]));
+    lines("[materials.a]", defaults("Material", &[]));
+    lines("[materials.a.principled]", defaults("Principled", &[]));
+    lines("[materials.a.principled]\nalpha_mode = \"mask\"", defaults("Principled", &["alpha_mode"]));
+    inline("[materials.a.principled]\nnormal_map = { image = \"pixel.hdr\"", defaults("TextureTable", &[]));
+    inline(
+        "[materials.a]\n[[shapes]]\nmaterial = \"a\"\nbox = { center = [0, 0, 0], size = [1, 2, 3]",
+        defaults("Box", &[]),
+    );
+    inline("[materials.a]\n[[shapes]]\nmaterial = \"a\"\nmesh = { file = \"triangle.ply\"", defaults("Mesh", &[]));
+}
+
+/// Every key of the principled material that is no texture and may be absent has a default, but for the one distance that
+/// is endless without it.
+#[test]
+fn principled_keys_have_defaults() {
+    let schema = schema();
+    let properties = schema["$defs"]["Principled"]["properties"].as_object().unwrap();
+    let bare = properties.iter().filter(|(_, it)| it.get("default").is_none() && it["$ref"] != "#/$defs/Texture");
+    assert_eq!(bare.map(|(key, _)| key.as_str()).collect::<Vec<_>>(), ["attenuation_distance"]);
+}
+
+/// Editors find the schema by the first line of each scene, which the schema accepts.
+#[test]
+fn shipped_scenes_name_it() {
+    let validator = jsonschema::validator_for(&schema()).unwrap();
+    let mut count = 0;
+    for folder in ["scenes", "scenes/notes", "scenes/reference"] {
+        for entry in std::fs::read_dir(project_file(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_none_or(|extension| extension != "toml") {
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).unwrap();
+            let schema = text.lines().next().unwrap().strip_prefix("#:schema ").unwrap_or_else(|| panic!("{path:?}"));
+            let named = path.with_file_name(schema).canonicalize().unwrap();
+            assert_eq!(named, project_file("docs/scene.schema.json").canonicalize().unwrap());
+            validator.validate(&json_of(&text)).unwrap();
+            count += 1;
+        }
+    }
+    assert!(count > 25, "{count}");
 }

@@ -43,7 +43,7 @@ const STAGE: &str = "
 const VEIL: &str = "[materials.veil]\nprincipled = { emissive = [2, 2, 3], alpha = 0.6, alpha_mode = \"blend\" }\n";
 
 /// Names of the materials, and their keys. The principled ones come last.
-const MATERIALS: [(&str, &str); 13] = [
+const MATERIALS: [(&str, &str); 12] = [
     ("diffuse", "color = [0.8, 0.5, 0.3]"),
     ("half a mirror", "color = [0.8, 0.8, 0.8]\nsmoothness = 0.5"),
     ("nearly a mirror", "color = [0.8, 0.8, 0.8]\nsmoothness = 0.9"),
@@ -58,7 +58,6 @@ const MATERIALS: [(&str, &str); 13] = [
     ),
     ("plastic", "principled = { base_color = [0.2, 0.5, 0.3], roughness = 0.3, clearcoat = 1 }"),
     ("blended", "principled = { base_color = [0.8, 0.8, 0.8], roughness = 1, alpha = 0.5, alpha_mode = \"blend\" }"),
-    ("pane", "principled = { base_color = [0.9, 0.8, 0.6], transmission = 1, roughness = 0, thin_walled = true }"),
     (
         "leaf",
         "principled = { base_color = [0.5, 0.8, 0.5], roughness = 0.7, diffuse_transmission = 0.6, thin_walled = true }",
@@ -314,6 +313,40 @@ fn depth_means_the_same() {
             }
         }
         assert_agree(&device, scenes, device.pick([192, 512], [32, 96]));
+    });
+}
+
+/// Smooth sheets, and one with a rough coat, hang between the stage and its lamps: light passes them in both ways of
+/// looking for it, as far as paths may be long.
+#[test]
+fn sheets_hide_no_light() {
+    let pane = "base_color = [0.9, 0.8, 0.6], transmission = 1, roughness = 0, thin_walled = true";
+    let panes = format!(
+        "[materials.pane]\nprincipled = {{ {pane} }}\n
+         [materials.coated]\nprincipled = {{ {pane}, clearcoat = 1, clearcoat_roughness = 0.4 }}\n
+         [[shapes]]\nmaterial = \"pane\"
+         rectangle = {{ corner = [-4, 1.7, -4], edge_u = [8, 0, 0], edge_v = [0, 0.1, 8] }}\n
+         [[shapes]]\nmaterial = \"coated\"
+         rectangle = {{ corner = [-4, 1.6, -4], edge_u = [8, 0, 0], edge_v = [0, -0.1, 8] }}\n"
+    );
+    let subject = "base_color = [0.7, 0.7, 0.7], transmission = 0.5, roughness = 0, thin_walled = true";
+    let chosen = ["sphere", "rectangle", "mesh", "sky's image", "gradient", "point", "sun", "many"];
+    for_each_device(|device| {
+        // Software Vulkan takes minutes to compile principled kernels: single pictures test them there.
+        if device.slow {
+            return;
+        }
+        let mut scenes = vec![];
+        for (lamp, add) in lamps().into_iter().filter(|(lamp, _)| chosen.contains(lamp)) {
+            for max_depth in [2, 3, 4, 6] {
+                let render = format!("[render]\nwidth = {WIDTH}\nheight = {HEIGHT}\nmax_depth = {max_depth}\n");
+                let material = format!("[materials.subject]\nprincipled = {{ {subject} }}\n");
+                let mut scene = parse(&[&render, STAGE, &material, &panes].concat());
+                add(&mut scene);
+                scenes.push((format!("{lamp} at depth {max_depth}"), scene));
+            }
+        }
+        assert_agree(&device, scenes, [192, 512]);
     });
 }
 

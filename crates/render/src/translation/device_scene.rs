@@ -256,7 +256,8 @@ fn device_light(light: &Light) -> DeviceLight {
         LightKind::Point => (DeviceLightKind::Point, 0.0, 1.0),
         LightKind::Spot { inner, outer } => {
             let (inner, outer) = (f64::from(inner).cos(), f64::from(outer).cos());
-            let scale = 1.0 / (inner - outer).max(1e-3);
+            // Equal angles are a hard edge.
+            let scale = 1.0 / (inner - outer).max(1e-6);
             (DeviceLightKind::Spot, scale as f32, (-outer * scale) as f32)
         }
     };

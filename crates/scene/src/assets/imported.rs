@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 use raggio_models::{Camera, Instance, Light, Mesh, Model, Principled};
 
+use crate::counts::counted;
 use crate::number::{BRIGHTEST, SMALLEST};
 
 /// A model whose instances can all be drawn.
@@ -36,7 +37,9 @@ impl Imported {
         });
         if instances.len() < in_file {
             let count = in_file - instances.len();
-            warnings.push(format!("{count} of {in_file} instances have no triangles or no extent; they were left out"));
+            let (have, were) = if count == 1 { ("has", "it was") } else { ("have", "they were") };
+            let of = counted(in_file, "instance");
+            warnings.push(format!("{count} of {of} {have} no triangles or no extent; {were} left out"));
         }
         let mut dimmed = lights.iter_mut().map(|light| dim(&mut light.intensity)).filter(|it| *it).count();
         let materials = materials.into_iter().map(|mut material| {
@@ -45,7 +48,9 @@ impl Imported {
         });
         let materials: Vec<_> = materials.collect();
         if dimmed > 0 {
-            warnings.push(format!("{dimmed} lights or materials are brighter than 1e9, and were dimmed to that"));
+            let (are, were) =
+                if dimmed == 1 { ("light or material is", "was") } else { ("lights or materials are", "were") };
+            warnings.push(format!("{dimmed} {are} brighter than 1e9, and {were} dimmed to that"));
         }
         let is_bare = |mesh: &Arc<Mesh>| mesh.parts.iter().any(|part| part.material.is_none());
         let bare: Vec<bool> = meshes.iter().map(is_bare).collect();

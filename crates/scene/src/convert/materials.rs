@@ -5,41 +5,29 @@ use glam::Vec3;
 use super::principled::principled;
 use super::{Files, vec3};
 use crate::fault::{Fault, steps};
-use crate::file::{MaterialFile, Materials, PrincipledFile, ReflectionFile};
+use crate::file::{MaterialFile, Materials, ReflectionFile};
 use crate::names;
 use crate::number::BRIGHTEST;
 use crate::scene::{Material, Reflection};
 
-/// Materials in the order of the file.
-pub(super) fn materials(
-    file: &Materials,
-    files: &mut Files<'_>,
-    warnings: &mut Vec<Fault>,
-) -> Result<Vec<Material>, Fault> {
+/// Materials in the order of the file; faults are noted.
+pub(super) fn materials(file: &Materials, files: &mut Files<'_>, warnings: &mut Vec<Fault>) -> Vec<Material> {
     let mut materials = Vec::with_capacity(file.0.len());
     for (name, material) in &file.0 {
         materials.push(match &material.principled {
-            Some(principled) => of_principled(name, material, principled, files, warnings)?,
+            Some(surface) => {
+                files.review.accept(refuse_beside_principled(name, material));
+                let surface = principled(name, surface, files, warnings);
+                Material { name: name.to_string(), principled: Some(surface.into()), ..Material::default() }
+            }
             None => {
                 warn_of_opaque(name, material, warnings);
-                refuse_too_bright(name, material)?;
+                files.review.accept(refuse_too_bright(name, material));
                 self::material(name, material)
             }
         });
     }
-    Ok(materials)
-}
-
-fn of_principled(
-    name: &str,
-    material: &MaterialFile,
-    file: &PrincipledFile,
-    files: &mut Files<'_>,
-    warnings: &mut Vec<Fault>,
-) -> Result<Material, Fault> {
-    refuse_beside_principled(name, material)?;
-    let surface = principled(name, file, files, warnings)?;
-    Ok(Material { name: name.to_string(), principled: Some(surface.into()), ..Material::default() })
+    materials
 }
 
 fn refuse_beside_principled(name: &str, file: &MaterialFile) -> Result<(), Fault> {

@@ -1,6 +1,7 @@
 //! Models: each of their instances becomes a shape; their materials and lights are taken along.
 
 use std::collections::hash_map::Entry;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
@@ -8,7 +9,7 @@ use raggio_images::Bitmap;
 use raggio_models::{Light, LightKind, Principled};
 
 use super::{Builder, Files, dvec3, vec3};
-use crate::assets::{Bounds, Imported, can_be_undone};
+use crate::assets::{Assets, Bounds, Imported, Trouble, can_be_undone};
 use crate::fault::{Fault, Step, steps};
 use crate::file::{MeshFile, ScaleFile};
 use crate::names;
@@ -18,14 +19,29 @@ use crate::scene::{Geometry, Material, Placement, Shape, rotation};
 impl Files<'_> {
     /// Image of that name: an absolute path stays as it is, others are relative to the scene's folder.
     pub(super) fn image(&mut self, name: &str, at: Vec<Step>) -> Result<Arc<Bitmap>, Fault> {
-        let image = self.assets.image(self.folder.join(name));
-        image.map_err(|trouble| Fault::value(at, format!("{}{trouble}", names::printable(name))))
+        self.read(name, at, Assets::image)
     }
 
     fn model(&mut self, mesh: &MeshFile, at: Vec<Step>) -> Result<Arc<Imported>, Fault> {
         let time_seconds = mesh.time.map(f64::from);
-        let model = self.assets.model(self.folder.join(&mesh.file), time_seconds);
-        model.map_err(|trouble| Fault::value(at, format!("{}{trouble}", names::printable(&mesh.file))))
+        self.read(&mesh.file, at, |assets, path| assets.model(path, time_seconds))
+    }
+
+    /// Reads a file, unless that has failed before: whoever names it many times does not wait many times.
+    fn read<T>(
+        &mut self,
+        name: &str,
+        at: Vec<Step>,
+        read: impl FnOnce(&mut Assets, PathBuf) -> Result<Arc<T>, Trouble>,
+    ) -> Result<Arc<T>, Fault> {
+        let path = self.folder.join(name);
+        let known = self.troubles.get(&path).cloned();
+        let result = known.map_or_else(|| read(self.assets, path.clone()).map_err(|trouble| trouble.to_string()), Err);
+        result.map_err(|trouble| {
+            let message = format!("{}{trouble}", names::printable(name));
+            self.troubles.insert(path, trouble);
+            Fault::value(at, message)
+        })
     }
 }
 

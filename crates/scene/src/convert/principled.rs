@@ -8,66 +8,67 @@ use crate::file::{AlphaModeFile, PrincipledFile, TextureFile, TextureFilterFile,
 use crate::names;
 use crate::number::BRIGHTEST;
 
-/// Principled material of the material called `name`.
+/// Principled material of the material called `name`; faults are noted.
 pub(super) fn principled(
     name: &str,
     file: &PrincipledFile,
     files: &mut Files<'_>,
     warnings: &mut Vec<Fault>,
-) -> Result<Principled, Fault> {
+) -> Principled {
     warn_of_alpha(name, file, warnings);
-    let mut load = |key: &str, texture: &Option<TextureFile>| {
-        texture.as_ref().map(|texture| self::texture(name, key, &texture.0, files)).transpose()
+    let review = files.review;
+    let mut load = |key: &str, file: &Option<TextureFile>| {
+        file.as_ref().and_then(|file| review.accept(texture(name, key, &file.0, files)))
     };
     let default = Principled::default();
-    let surface = Principled {
+    Principled {
         base_color: color(file.base_color, [1.0; 3]),
-        base_color_texture: load("base_color_texture", &file.base_color_texture)?,
+        base_color_texture: load("base_color_texture", &file.base_color_texture),
         alpha: number(file.alpha, 1.0),
         alpha_mode: alpha_mode(file),
         metallic: number(file.metallic, beside(&file.metallic_roughness_texture)),
         roughness: number(file.roughness, 1.0),
-        metallic_roughness_texture: load("metallic_roughness_texture", &file.metallic_roughness_texture)?,
-        normal_texture: load("normal_map", &file.normal_map)?,
+        metallic_roughness_texture: load("metallic_roughness_texture", &file.metallic_roughness_texture),
+        normal_texture: load("normal_map", &file.normal_map),
         normal_scale: number(file.normal_scale, 1.0),
-        emissive: emissive(name, file)?,
-        emissive_texture: load("emissive_texture", &file.emissive_texture)?,
+        emissive: review.accept(emissive(name, file)).unwrap_or_default(),
+        emissive_texture: load("emissive_texture", &file.emissive_texture),
         emissive_by_vertex_color: false,
         ior: number(file.ior, default.ior),
         specular: number(file.specular, 1.0),
-        specular_texture: load("specular_texture", &file.specular_texture)?,
+        specular_texture: load("specular_texture", &file.specular_texture),
         specular_color: color(file.specular_color, [1.0; 3]),
-        specular_color_texture: load("specular_color_texture", &file.specular_color_texture)?,
+        specular_color_texture: load("specular_color_texture", &file.specular_color_texture),
         transmission: number(file.transmission, beside(&file.transmission_texture)),
-        transmission_texture: load("transmission_texture", &file.transmission_texture)?,
+        transmission_texture: load("transmission_texture", &file.transmission_texture),
         diffuse_transmission: number(file.diffuse_transmission, beside(&file.diffuse_transmission_texture)),
-        diffuse_transmission_texture: load("diffuse_transmission_texture", &file.diffuse_transmission_texture)?,
+        diffuse_transmission_texture: load("diffuse_transmission_texture", &file.diffuse_transmission_texture),
         diffuse_transmission_color: color(file.diffuse_transmission_color, [1.0; 3]),
         diffuse_transmission_color_texture: load(
             "diffuse_transmission_color_texture",
             &file.diffuse_transmission_color_texture,
-        )?,
+        ),
         thin_walled: file.thin_walled.unwrap_or(false),
         attenuation_color: color(file.attenuation_color, [1.0; 3]),
         attenuation_distance: number(file.attenuation_distance, f32::INFINITY),
         dispersion: number(file.dispersion, 0.0),
         priority: file.priority.map_or(0, |priority| priority.0 as i32),
         clearcoat: number(file.clearcoat, beside(&file.clearcoat_texture)),
-        clearcoat_texture: load("clearcoat_texture", &file.clearcoat_texture)?,
+        clearcoat_texture: load("clearcoat_texture", &file.clearcoat_texture),
         clearcoat_roughness: number(file.clearcoat_roughness, beside(&file.clearcoat_roughness_texture)),
-        clearcoat_roughness_texture: load("clearcoat_roughness_texture", &file.clearcoat_roughness_texture)?,
-        clearcoat_normal_texture: load("clearcoat_normal_map", &file.clearcoat_normal_map)?,
+        clearcoat_roughness_texture: load("clearcoat_roughness_texture", &file.clearcoat_roughness_texture),
+        clearcoat_normal_texture: load("clearcoat_normal_map", &file.clearcoat_normal_map),
         clearcoat_normal_scale: number(file.clearcoat_normal_scale, 1.0),
         sheen_color: color(file.sheen_color, [beside(&file.sheen_color_texture); 3]),
-        sheen_color_texture: load("sheen_color_texture", &file.sheen_color_texture)?,
+        sheen_color_texture: load("sheen_color_texture", &file.sheen_color_texture),
         sheen_roughness: number(file.sheen_roughness, beside(&file.sheen_roughness_texture)),
-        sheen_roughness_texture: load("sheen_roughness_texture", &file.sheen_roughness_texture)?,
+        sheen_roughness_texture: load("sheen_roughness_texture", &file.sheen_roughness_texture),
         anisotropy: number(file.anisotropy, beside(&file.anisotropy_texture)),
         // Angles are reduced while they are precise.
         anisotropy_rotation: file.anisotropy_rotation.map_or(0.0, |it| it.0.rem_euclid(360.0).to_radians() as f32),
-        anisotropy_texture: load("anisotropy_texture", &file.anisotropy_texture)?,
+        anisotropy_texture: load("anisotropy_texture", &file.anisotropy_texture),
         iridescence: number(file.iridescence, beside(&file.iridescence_texture)),
-        iridescence_texture: load("iridescence_texture", &file.iridescence_texture)?,
+        iridescence_texture: load("iridescence_texture", &file.iridescence_texture),
         iridescence_ior: number(file.iridescence_ior, default.iridescence_ior),
         iridescence_thickness_minimum: number(
             file.iridescence_thickness_minimum,
@@ -77,9 +78,8 @@ pub(super) fn principled(
             file.iridescence_thickness_maximum,
             default.iridescence_thickness_maximum,
         ),
-        iridescence_thickness_texture: load("iridescence_thickness_texture", &file.iridescence_thickness_texture)?,
-    };
-    Ok(surface)
+        iridescence_thickness_texture: load("iridescence_thickness_texture", &file.iridescence_thickness_texture),
+    }
 }
 
 fn number<T: Into<f64>>(file: Option<T>, default: f32) -> f32 {

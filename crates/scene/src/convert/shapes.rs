@@ -13,13 +13,9 @@ use crate::scene::{Entry, Geometry, Shape};
 const PERPENDICULAR: f64 = 1e-4;
 
 impl Builder<'_, '_> {
-    /// Adds a shape; `index` is its place in the file.
+    /// Adds a shape; `index` is its place in the file. Faults are noted but for the one that is returned.
     pub(super) fn add(&mut self, index: usize, file: &ShapeFile, materials: &Materials) -> Result<(), Fault> {
-        let named = |name: &String| {
-            let material = self.indices.get(name.as_str()).copied();
-            material.ok_or_else(|| unknown_material(index, name, materials))
-        };
-        let material = file.material.as_ref().map(named).transpose()?;
+        let material = file.material.as_ref().map(|name| self.material(index, name, materials));
         refuse_two(index, file)?;
         let first = self.scene.shapes.len();
         let placement = match &file.mesh {
@@ -30,11 +26,24 @@ impl Builder<'_, '_> {
         Ok(())
     }
 
+    /// Index of the material of that name, and of the first where there is no such name.
+    fn material(&self, index: usize, name: &str, materials: &Materials) -> usize {
+        if let Some(material) = self.indices.get(name) {
+            return *material;
+        }
+        // Where a whole section is unknown or wrong, the materials may be in it.
+        if !self.files.review.has(|place| place.len() == 1) {
+            self.files.review.object(unknown_material(index, name, materials));
+        }
+        0
+    }
+
     fn add_other(&mut self, index: usize, file: &ShapeFile, material: Option<usize>) -> Result<(), Fault> {
-        let missing = || Fault::new(Kind::MissingKey("material")).inside(index.into()).inside("shapes".into());
-        let material = material.ok_or_else(missing)?;
+        if material.is_none() {
+            self.files.review.object(Fault::new(Kind::MissingKey("material")).below(steps!["shapes", index]));
+        }
         let geometry = geometry(index, file)?;
-        self.scene.shapes.push(Shape { entry: index, material, geometry });
+        self.scene.shapes.push(Shape { entry: index, material: material.unwrap_or_default(), geometry });
         Ok(())
     }
 }

@@ -12,106 +12,136 @@ use super::{Priority, Radiance};
 use crate::number::{Brightness, Coordinate, Fraction, Ior, NonNegative, Positive, Whole};
 
 /// A physically based material with the meaning that glTF 2.0 and its KHR_materials extensions give to each name.
-/// A texture multiplies the factor whose name it bears; where a texture is given, the default of that factor is 1.
+/// A texture multiplies the factor whose name it bears; where a texture is given, a factor that is 0 by default is 1.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Principled")]
 pub(crate) struct PrincipledFile {
-    /// Reflected colour of the diffuse part, or of a metal seen from the front. Default [1, 1, 1].
+    /// Reflected colour of the diffuse part, or of a metal seen from the front.
+    #[schemars(extend("default" = [1.0, 1.0, 1.0]))]
     pub base_color: Option<[Fraction; 3]>,
     /// Red, green and blue (sRGB) times `base_color`, alpha times `alpha`.
     pub base_color_texture: Option<TextureFile>,
-    /// Coverage, which `alpha_mode` puts to use. Default 1.
+    /// Coverage, which `alpha_mode` puts to use.
+    #[schemars(extend("default" = 1.0))]
     pub alpha: Option<Fraction>,
-    /// Use of coverage: "opaque" (default) ignores it, "mask" cuts away what is below `alpha_cutoff`, "blend" lets part of the light pass.
+    /// Use of coverage: "opaque" ignores it, "mask" cuts away what is below `alpha_cutoff`, "blend" lets part of the light pass.
+    #[schemars(extend("default" = "opaque"))]
     pub alpha_mode: Option<AlphaModeFile>,
-    /// Coverage below which there is no surface; needs `alpha_mode = "mask"`. Default 0.5.
+    /// Coverage below which there is no surface; needs `alpha_mode = "mask"`.
+    #[schemars(extend("default" = 0.5))]
     pub alpha_cutoff: Option<Fraction>,
-    /// Metalness from 0, a dielectric, to 1, a metal. Default 0.
+    /// Metalness from 0, a dielectric, to 1, a metal.
+    #[schemars(extend("default" = 0.0))]
     pub metallic: Option<Fraction>,
-    /// Roughness from 0, smooth, to 1. Default 1.
+    /// Roughness from 0, smooth, to 1.
+    #[schemars(extend("default" = 1.0))]
     pub roughness: Option<Fraction>,
     /// Green times `roughness`, blue times `metallic`.
     pub metallic_roughness_texture: Option<TextureFile>,
-    /// Refractive index. Default 1.5.
+    /// Refractive index.
+    #[schemars(extend("default" = 1.5))]
     pub ior: Option<Ior>,
-    /// Strength of a dielectric's specular reflection. Default 1.
+    /// Strength of a dielectric's specular reflection.
+    #[schemars(extend("default" = 1.0))]
     pub specular: Option<Fraction>,
     /// Alpha times `specular`.
     pub specular_texture: Option<TextureFile>,
-    /// Colour of a dielectric's specular reflection seen from the front. Default [1, 1, 1].
+    /// Colour of a dielectric's specular reflection seen from the front.
+    #[schemars(extend("default" = [1.0, 1.0, 1.0]))]
     pub specular_color: Option<Radiance>,
     /// Red, green and blue (sRGB) times `specular_color`.
     pub specular_color_texture: Option<TextureFile>,
-    /// Part of the light that is refracted into the body instead of scattered diffusely. Default 0.
+    /// Part of the light that is refracted into the body instead of scattered diffusely.
+    #[schemars(extend("default" = 0.0))]
     pub transmission: Option<Fraction>,
     /// Red times `transmission`.
     pub transmission_texture: Option<TextureFile>,
-    /// Whether the surface is an infinitely thin sheet: what is transmitted is not bent, and there is no inside. Default false.
+    /// Whether the surface is an infinitely thin sheet: what is transmitted is not bent, and there is no inside.
+    #[schemars(extend("default" = false))]
     pub thin_walled: Option<bool>,
-    /// Colour that is left of white light after `attenuation_distance` inside the body. Default [1, 1, 1].
+    /// Colour that is left of white light after `attenuation_distance` inside the body.
+    #[schemars(extend("default" = [1.0, 1.0, 1.0]))]
     pub attenuation_color: Option<[Fraction; 3]>,
     /// Distance after which `attenuation_color` is left; absent: nothing is absorbed.
     pub attenuation_distance: Option<Positive>,
-    /// Dispersion, which is 20 over the Abbe number; 0 (default) bends all colours alike.
+    /// Dispersion, which is 20 over the Abbe number; 0 bends all colours alike.
+    #[schemars(extend("default" = 0.0))]
     pub dispersion: Option<NonNegative>,
-    /// Priority among overlapping dielectrics: the higher one wins, and of equal ones the one entered last. Default 0.
+    /// Priority among overlapping dielectrics: the higher one wins, and of equal ones the one entered last.
+    #[schemars(extend("default" = 0))]
     pub priority: Option<Priority>,
-    /// Part of the diffuse light that leaves on the other side. Default 0.
+    /// Part of the diffuse light that leaves on the other side.
+    #[schemars(extend("default" = 0.0))]
     pub diffuse_transmission: Option<Fraction>,
     /// Alpha times `diffuse_transmission`.
     pub diffuse_transmission_texture: Option<TextureFile>,
-    /// Colour of the diffusely transmitted light. Default [1, 1, 1].
+    /// Colour of the diffusely transmitted light.
+    #[schemars(extend("default" = [1.0, 1.0, 1.0]))]
     pub diffuse_transmission_color: Option<[Fraction; 3]>,
     /// Red, green and blue (sRGB) times `diffuse_transmission_color`.
     pub diffuse_transmission_color_texture: Option<TextureFile>,
-    /// Strength of the clear coat. Default 0.
+    /// Strength of the clear coat.
+    #[schemars(extend("default" = 0.0))]
     pub clearcoat: Option<Fraction>,
     /// Red times `clearcoat`.
     pub clearcoat_texture: Option<TextureFile>,
-    /// Roughness of the clear coat from 0, smooth, to 1. Default 0.
+    /// Roughness of the clear coat from 0, smooth, to 1.
+    #[schemars(extend("default" = 0.0))]
     pub clearcoat_roughness: Option<Fraction>,
     /// Green times `clearcoat_roughness`.
     pub clearcoat_roughness_texture: Option<TextureFile>,
     /// Normals of the coat in tangent space; without it the coat is as smooth as the geometry.
     pub clearcoat_normal_map: Option<TextureFile>,
-    /// Factor that multiplies x and y of `clearcoat_normal_map`. Default 1.
+    /// Factor that multiplies x and y of `clearcoat_normal_map`.
+    #[schemars(extend("default" = 1.0))]
     pub clearcoat_normal_scale: Option<Coordinate>,
-    /// Reflectance of the sheen at grazing angles; black (default) is no sheen.
+    /// Reflectance of the sheen at grazing angles; black is no sheen.
+    #[schemars(extend("default" = [0.0, 0.0, 0.0]))]
     pub sheen_color: Option<[Fraction; 3]>,
     /// Red, green and blue (sRGB) times `sheen_color`.
     pub sheen_color_texture: Option<TextureFile>,
-    /// Roughness of the sheen from 0 to 1. Default 0.
+    /// Roughness of the sheen from 0 to 1.
+    #[schemars(extend("default" = 0.0))]
     pub sheen_roughness: Option<Fraction>,
     /// Alpha times `sheen_roughness`.
     pub sheen_roughness_texture: Option<TextureFile>,
-    /// Strength with which highlights are stretched, from 0 to 1. Default 0.
+    /// Strength with which highlights are stretched, from 0 to 1.
+    #[schemars(extend("default" = 0.0))]
     pub anisotropy: Option<Fraction>,
-    /// Degrees from the tangent to the direction in which highlights are stretched, counter-clockwise. Default 0.
+    /// Degrees from the tangent to the direction in which highlights are stretched, counter-clockwise.
+    #[schemars(extend("default" = 0.0))]
     pub anisotropy_rotation: Option<Coordinate>,
     /// Red and green a direction that `anisotropy_rotation` turns, blue times `anisotropy`.
     pub anisotropy_texture: Option<TextureFile>,
-    /// Strength of the thin film. Default 0.
+    /// Strength of the thin film.
+    #[schemars(extend("default" = 0.0))]
     pub iridescence: Option<Fraction>,
     /// Red times `iridescence`.
     pub iridescence_texture: Option<TextureFile>,
-    /// Refractive index of the film. Default 1.3.
+    /// Refractive index of the film.
+    #[schemars(extend("default" = 1.3))]
     pub iridescence_ior: Option<Ior>,
-    /// Thickness of the film in nanometres where `iridescence_thickness_texture` is 0. Default 100.
+    /// Thickness of the film in nanometres where `iridescence_thickness_texture` is 0.
+    #[schemars(extend("default" = 100.0))]
     pub iridescence_thickness_minimum: Option<NonNegative>,
-    /// Thickness of the film in nanometres where `iridescence_thickness_texture` is 1 or absent. Default 400.
+    /// Thickness of the film in nanometres where `iridescence_thickness_texture` is 1 or absent.
+    #[schemars(extend("default" = 400.0))]
     pub iridescence_thickness_maximum: Option<NonNegative>,
     /// Green chooses between the two thicknesses.
     pub iridescence_thickness_texture: Option<TextureFile>,
-    /// Colour of the emitted light. Default [0, 0, 0], but [1, 1, 1] when `emissive_strength` is given.
+    /// Colour of the emitted light. [1, 1, 1] by default when `emissive_strength` or `emissive_texture` is given.
+    #[schemars(extend("default" = [0.0, 0.0, 0.0]))]
     pub emissive: Option<Radiance>,
     /// Red, green and blue (sRGB) times `emissive`.
     pub emissive_texture: Option<TextureFile>,
-    /// Strength of the emitted light: multiplied by `emissive` it is the emitted radiance. Default 1.
+    /// Strength of the emitted light: multiplied by `emissive` it is the emitted radiance.
+    #[schemars(extend("default" = 1.0))]
     pub emissive_strength: Option<Brightness>,
     /// Normals in the tangent space of its texture coordinates.
     pub normal_map: Option<TextureFile>,
-    /// Factor that multiplies x and y of `normal_map`. Default 1.
+    /// Factor that multiplies x and y of `normal_map`.
+    #[schemars(extend("default" = 1.0))]
     pub normal_scale: Option<Coordinate>,
 }
 
@@ -135,17 +165,23 @@ pub(crate) enum AlphaModeFile {
 pub(crate) struct TextureTable {
     /// Path of a PNG, JPEG, WebP, KTX2, HDR or EXR file, relative to the scene file.
     pub image: String,
-    /// Number of the mesh's set of texture coordinates, 0 (default) or 1.
+    /// Number of the mesh's set of texture coordinates, 0 or 1.
+    #[schemars(extend("default" = 0))]
     pub uv_set: Option<Whole<0, 1>>,
-    /// Offset added to the texture coordinates, last; (0, 0) is the image's top left corner, (1, 1) its bottom right. Default [0, 0].
+    /// Offset added to the texture coordinates, last; (0, 0) is the image's top left corner, (1, 1) its bottom right.
+    #[schemars(extend("default" = [0.0, 0.0]))]
     pub offset: Option<[Coordinate; 2]>,
-    /// Angle by which texture coordinates are turned counter-clockwise about (0, 0), so that the image seems to turn clockwise. Default 0.
+    /// Angle by which texture coordinates are turned counter-clockwise about (0, 0), so that the image seems to turn clockwise.
+    #[schemars(extend("default" = 0.0))]
     pub rotation_degrees: Option<Coordinate>,
-    /// Factors that multiply the texture coordinates, first. Default [1, 1].
+    /// Factors that multiply the texture coordinates, first.
+    #[schemars(extend("default" = [1.0, 1.0]))]
     pub scale: Option<[Coordinate; 2]>,
-    /// Continuation beyond the image's edges, for both directions or for u and v apart: "repeat" (default), "mirrored_repeat" or "clamp_to_edge".
+    /// Continuation beyond the image's edges, for both directions or for u and v apart: "repeat", "mirrored_repeat" or "clamp_to_edge".
+    #[schemars(extend("default" = "repeat"))]
     pub wrap: Option<WrapFile>,
-    /// Interpolation between the centres of texels: "linear" (default) or "nearest".
+    /// Interpolation between the centres of texels: "linear" or "nearest".
+    #[schemars(extend("default" = "linear"))]
     pub filter: Option<TextureFilterFile>,
 }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use raggio_scene::{Counts, Placement, Vec3};
+use raggio_scene::{AssetOptions, Assets, Counts, Placement, Scene, Vec3};
 
 use crate::assets::files::{Folder, meshes};
 
@@ -139,4 +139,33 @@ fn what_is_shared_is_counted_once() {
         "[[shapes]]\nmaterial = \"red\"\nmesh = { file = \"triangle.ply\" }\n".repeat(3)
     ));
     assert_eq!(scene.counts(), Counts { triangles: 4, meshes: 2, instances: 4, textures: 1 });
+}
+
+#[test]
+fn a_broken_file_is_told_wherever_it_is_named() {
+    let folder = Folder::new();
+    folder.write("broken.ply", "ply\nformat ascii 1.0\n");
+    let shape = "[[shapes]]\nmaterial = \"red\"\nmesh = { file = \"broken.ply\" }\n";
+    let error = folder.error(&format!("{LIGHT}{shape}{shape}[[shapes]]\nmesh = {{ file = \"triangle.ply\" }}\n"));
+    let lines: Vec<&str> = error.lines().collect();
+    let [first, second, third] = lines[..] else { panic!("three lines in {error}") };
+    let of_model = first.strip_prefix("scene.toml:11:17: broken.ply:").unwrap();
+    assert_eq!(second, format!("scene.toml:14:17: broken.ply:{of_model}"));
+    assert_eq!(third, "scene.toml:15:1: `material` is missing in shape 3: `triangle.ply` has no materials of its own");
+}
+
+#[test]
+fn a_time_of_what_stands_still() {
+    let folder = Folder::new();
+    let text = format!("{LIGHT}[[shapes]]\nmaterial = \"red\"\nmesh = {{ file = \"triangle.ply\", time = 2 }}\n");
+    let [warning] = &folder.scene(&text).warnings[..] else { panic!("one warning") };
+    assert!(
+        warning.ends_with(": `time` in `mesh` of shape 1 does nothing: .ply files have no animations"),
+        "{warning}"
+    );
+
+    let mut assets = Assets::new(AssetOptions { time_seconds: Some(1.0), ..AssetOptions::default() });
+    let model = Scene::load_with(&folder.path("triangle.ply"), &mut assets).unwrap();
+    let expected = "a time is given, but nothing in the scene moves: only .gltf and .glb files have animations";
+    assert_eq!(model.warnings, [expected]);
 }

@@ -1,7 +1,7 @@
 //! Models and images that scenes name.
 
 mod cache;
-mod files;
+pub mod files;
 mod gltf;
 mod images;
 mod meshes;

@@ -78,10 +78,24 @@ material = "matt white"
 box = { center = [1, 2, 3], size = [1, 2, 3], rotation_degrees = [10, 20, 30] }
 "#;
 
+/// Path of a file of the project.
+pub fn project_file(path: &str) -> PathBuf {
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join(path)
+}
+
+/// Asserts that a file of the project is the text that is made from the types of the scene file. With
+/// `RAGGIO_WRITE_DOCS` set, the file is written instead.
+pub fn assert_written(path: &str, text: &str) {
+    if std::env::var_os("RAGGIO_WRITE_DOCS").is_some() {
+        std::fs::write(project_file(path), text).unwrap();
+    }
+    let found = std::fs::read_to_string(project_file(path)).unwrap().replace("\r\n", "\n");
+    assert!(found == text, "{path} is out of date: RAGGIO_WRITE_DOCS=1 cargo test --release -p raggio-scene writes it");
+}
+
 /// One of the scenes that reference pictures exist of.
 pub fn reference_scene(name: &str) -> PathBuf {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/reference");
-    PathBuf::from(folder).join(format!("{name}.toml"))
+    project_file("scenes/reference").join(format!("{name}.toml"))
 }
 
 /// Checks the promises that every scene read without an error makes to those who render it.

@@ -185,6 +185,7 @@ vertical_fov_degrees = 40
 material = "rad"
 mesh = { file = "bunny.ply" }
 "#,
-        "scene.toml:8:12: unknown material `rad` in shape 1: did you mean `red`?",
+        "scene.toml:8:12: unknown material `rad` in shape 1: did you mean `red`?
+scene.toml:9:17: bunny.ply: there is no such file",
     ),
 ];

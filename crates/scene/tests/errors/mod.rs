@@ -2,11 +2,13 @@
 
 mod camera;
 mod environment;
+mod foreign;
 mod keys;
 mod materials;
 mod meshes;
 mod principled;
 mod render;
+mod several;
 mod shapes;
 mod syntax;
 mod types;
@@ -40,4 +42,4 @@ macro_rules! tables {
 }
 
 // The tests have the names of the tables' modules, which live in another namespace.
-tables! { syntax keys types render camera environment materials principled shapes meshes }
+tables! { syntax several keys foreign types render camera environment materials principled shapes meshes }

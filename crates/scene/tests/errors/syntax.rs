@@ -171,7 +171,12 @@ a = [[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[
 ",
         "scene.toml:6:85: not valid TOML: cannot recurse further; max recursion depth met",
     ),
-    ("empty file", "", "scene.toml:1:1: `version` is missing: a scene file starts with `version = 1`"),
+    (
+        "empty file",
+        "",
+        "scene.toml:1:1: `version` is missing: a scene file starts with `version = 1`
+scene.toml:1:1: [camera] is missing: a scene needs one, with `position`, `look_at` and `vertical_fov_degrees`",
+    ),
     (
         "columns count characters",
         r#"version = 1

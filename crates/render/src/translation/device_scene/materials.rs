@@ -156,6 +156,6 @@ fn device_principled(
         alpha_mode: alpha_mode as u32,
         alpha_cutoff,
         thin_walled: u32::from(p.thin_walled),
-        emission_has_vertex_color: u32::from(p.emission_has_vertex_color),
+        emissive_by_vertex_color: u32::from(p.emissive_by_vertex_color),
     })
 }
