@@ -17,6 +17,9 @@ OUTPUT = Path(__file__).parent.parent / "crates/render/src/translation/device_sc
 
 # Nodes of the tables, equal to those in kernels/materials/albedo.slang.
 WIDTHS, COSINES, INDICES, SHEENS = 16, 32, 20, 16
+STRETCHED_WIDTHS, STRETCHES, STRETCHED_COSINES = 14, 12, 24
+# Cosines of the azimuth, to the direction along which facets are stretched.
+AZIMUTHS = np.array([0, 0.2, 0.5, 1])
 ROUGHNESS = np.linspace(np.sqrt(1e-3), 1, WIDTHS)
 CONTRAST = np.geomspace(0.003 / 2.003, 0.5, INDICES)
 FACETS = 128 ** 2
@@ -238,6 +241,74 @@ def sheen():
     return raised
 
 
+# Loss of a mirror whose facets are stretched, by the roughness across, how far the roughness along is on its way to 1
+# (its square root), the cosine, and the azimuth.
+
+def stretched_loss(across, stretch, where, azimuth):
+    y = across ** 2
+    x = y + (1 - y) * stretch ** 2
+    mu = cosine_at(where, x)
+    sine = np.sqrt(max(0, 1 - mu * mu))
+    wo = np.array([sine * azimuth, sine * np.sqrt(1 - azimuth ** 2), mu])
+    masked = lambda w: smith(w[2], np.sqrt(((x * w[0]) ** 2 + (y * w[1]) ** 2) / np.maximum(1e-30, w[0] ** 2 + w[1] ** 2)))
+    count = 96 ** 2
+    i = np.arange(count)
+    u, v = (i + 0.5) / count, (i * 0.6180339887498949 + 0.5) % 1
+    seen = wo * [x, y, 1] / np.linalg.norm(wo * [x, y, 1])
+    up = (1 - v) * (1 + seen[2])
+    r = np.sqrt(np.clip(1 - (up - seen[2]) ** 2, 0, 1))
+    m = np.stack([x * (r * np.cos(2 * np.pi * u) + seen[0]), y * (r * np.sin(2 * np.pi * u) + seen[1]), up])
+    m /= np.linalg.norm(m, axis=0)
+    wi = 2 * (wo @ m) * m - wo[:, None]
+    return 1 - np.where(wi[2] > 0, (1 + masked(wo)) / (1 + masked(wo) + masked(wi)), 0).mean()
+
+
+def stretched():
+    """Losses by width, stretch, cosine and azimuth, lowered where they would say more than there is between the nodes;
+    behind the cosines their mean, raised likewise."""
+    widths, stretches = np.linspace(ROUGHNESS[0], 1, STRETCHED_WIDTHS), np.linspace(0, 1, STRETCHES)
+    where = np.linspace(0, 1, STRETCHED_COSINES)
+    losses = lambda r, s, c, a: np.array([[[[stretched_loss(*at) for at in product([ri], [si], [ci], a)] for ci in c]
+                                           for si in s] for ri in r]).reshape(len(r), len(s), len(c), len(a))
+    nodes = losses(widths, stretches, where, AZIMUTHS)
+    middle = lambda axis, at: (1 - at) * axis[:-1] + at * axis[1:]
+    places = [(0.5, 0.5, 0.5, 0.5), (0.3, 0.7, 0.25, 0.4), (0.7, 0.3, 0.75, 0.6)]
+    truth = [losses(*(middle(axis, at) for axis, at in zip((widths, stretches, where, AZIMUTHS), place))) for place in places]
+    corner = lambda table, steps: table[tuple(slice(step, size - 1 + step) for step, size in zip(steps, table.shape))]
+    weigh = lambda steps, at: np.prod([t if step else 1 - t for step, t in zip(steps, at)])
+    for _ in range(40):
+        down = np.zeros_like(nodes)
+        for at, true in zip(places, truth):
+            found = sum(weigh(steps, at) * corner(nodes ** 0.25, steps) for steps in product((0, 1), repeat=4)) ** 4
+            excess = 0.2 * np.maximum(0, found - true - NOT_SEEN[0])
+            for steps in product((0, 1), repeat=4):
+                np.maximum(corner(down, steps), excess, out=corner(down, steps))
+        nodes = np.maximum(0, nodes - down)
+    roots = nodes ** 0.25
+
+    def mean(columns, across, stretch):
+        mu, weight = np.polynomial.legendre.leggauss(200)
+        mu, weight = ((mu + 1) / 2) ** 2, weight * (mu + 1) / 2
+        azimuth = np.abs(np.cos((np.arange(64) + 0.5) / 64 * np.pi / 2))
+        x = across ** 2 + (1 - across ** 2) * stretch ** 2
+        at = place(mu, x) * (STRETCHED_COSINES - 1)
+        rows = np.stack([np.interp(at, np.arange(STRETCHED_COSINES), column) for column in columns.T], 1)
+        values = np.array([np.interp(azimuth, AZIMUTHS, row) for row in rows]) ** 4
+        return (2 * mu * weight) @ values.mean(1)
+
+    means = np.array([[mean(roots[i, j], r, s) for j, s in enumerate(stretches)] for i, r in enumerate(widths)])
+    half = np.array([[mean(roots[i:i + 2, j:j + 2].mean((0, 1)), widths[i:i + 2].mean(), stretches[j:j + 2].mean())
+                      for j in range(STRETCHES - 1)] for i in range(STRETCHED_WIDTHS - 1)])
+    for _ in range(40):
+        raised = means ** 0.25
+        found = sum(corner(raised, steps) for steps in product((0, 1), repeat=2)) / 4
+        lacking = 0.2 * np.maximum(0, half ** 0.25 - found)
+        for steps in product((0, 1), repeat=2):
+            np.maximum(corner(raised, steps), corner(raised, steps) + lacking, out=corner(raised, steps))
+        means = raised ** 4
+    return np.floor(np.clip(roots, 0, 1) * 65535), np.ceil(np.clip(means ** 0.25, 0, 1) * 65535)
+
+
 def packed(table, offset, scale, rounded=np.floor):
     """The table as integers of 16 bits: 0 stands for `offset`, 65535 for `offset + scale`."""
     return rounded(np.clip((table - offset) / scale, 0, 1) * 65535).astype("<u2")
@@ -251,6 +322,9 @@ def main():
         mean = packed(roots(means(table, inside)), 0, 1, lambda x: UPWARD * np.ceil(UPWARD * x))
         blocks.append(np.concatenate([cells, mean[:, :, None]], axis=2))
     blocks.append(packed(np.pad(sheen()[:, :, None], ((0, 0), (0, 0), (0, 3))), 0, 4, np.ceil))
+    losses, mean = stretched()
+    column = np.pad(mean[:, :, None, None], ((0, 0), (0, 0), (0, 0), (0, 3)))
+    blocks.append(np.concatenate([losses, column], axis=2).astype("<u2"))
     OUTPUT.write_bytes(b"".join(block.tobytes() for block in blocks))
 
 

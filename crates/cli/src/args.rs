@@ -148,6 +148,10 @@ pub struct AssetArguments {
     /// Let models name files outside their own folder
     #[arg(long)]
     pub allow_outside: bool,
+    /// Camera of a model that is shown without a scene, by its name or number; `raggio check` lists them [default: the
+    /// first, or one that sees all]
+    #[arg(long, value_name = "NAME|N")]
+    pub camera: Option<String>,
 }
 
 impl AssetArguments {
@@ -157,6 +161,7 @@ impl AssetArguments {
             allow_outside: self.allow_outside,
             time_seconds: self.time,
             picture: size.map(|size| [size.width, size.height]),
+            camera: self.camera.clone(),
         }
     }
 }

@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use raggio_render::DeviceScene;
-use raggio_scene::{AssetOptions, Assets, Counts, Scene, counted, display_name};
+use raggio_scene::{AssetOptions, Assets, Counts, Scene, counted, display_name, is_model};
 
 use crate::error::Failure;
 use crate::output::{print, say};
@@ -36,7 +36,8 @@ pub fn devices() -> Result<(), Failure> {
 }
 
 pub fn check(path: &Path, options: AssetOptions) -> Result<(), Failure> {
-    let scene = Scene::load_with(path, &mut Assets::new(options))?;
+    let mut assets = Assets::new(options);
+    let scene = Scene::load_with(path, &mut assets)?;
     DeviceScene::new(&scene).map_err(|e| Failure::Input(format!("{}: {e}", display_name(path))))?;
     for warning in &scene.warnings {
         say(format_args!("warning: {warning}"));
@@ -61,6 +62,11 @@ pub fn check(path: &Path, options: AssetOptions) -> Result<(), Failure> {
         scene.render.height,
         counted(scene.render.samples as usize, "sample"),
     ));
+    if is_model(path) {
+        for camera in raggio_scene::cameras(path, &mut assets) {
+            print(format_args!("camera {camera}"));
+        }
+    }
     Ok(())
 }
 

@@ -8,8 +8,8 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use raggio_render::{
-    Aov, Choice, Denoiser, Display, ImageFile, Observer, Picture, Progress, RenderRequest, Rendering, Stop,
-    UNLIMITED_SAMPLES,
+    Aov, Choice, Denoiser, DeviceError, Display, ImageFile, Observer, Picture, Progress, RenderRequest, Rendering,
+    Stop, UNLIMITED_SAMPLES,
 };
 use raggio_scene::{Assets, Integrator, Scene, counted, display_name};
 
@@ -106,10 +106,10 @@ fn run(
     };
     scene.warnings.iter().for_each(|warning| warn(warning));
     raggio_render::check_memory(scene.render.width, scene.render.height)?;
-    let device = raggio_render::open(machine.device, machine.options(), warn)?;
+    let device = ready(machine.quiet, || raggio_render::open(machine.device, machine.options(), warn))?;
     let stop = request.stop.clone();
     let mut rendering = Rendering::begin(&scene, &*device, request)?;
-    prepare(&mut rendering, machine.quiet)?;
+    ready(machine.quiet, || rendering.prepare())?;
     let setup_seconds = start.elapsed().as_secs_f64();
     let samples = rendering.samples().end;
     // The number of samples is no end to be expected where noise is to end it.
@@ -140,19 +140,19 @@ fn run(
     if interrupted.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
 }
 
-/// Makes the device ready, and says so where it takes a while.
-fn prepare(rendering: &mut Rendering, quiet: bool) -> Result<(), Failure> {
+/// Makes the device ready by `prepare`, and says so where it takes a while: drivers compile kernels then.
+fn ready<T>(quiet: bool, prepare: impl FnOnce() -> Result<T, DeviceError>) -> Result<T, DeviceError> {
     const A_WHILE: Duration = Duration::from_secs(1);
     std::thread::scope(|scope| {
-        let (ready, wait) = channel::<()>();
+        let (done, wait) = channel::<()>();
         scope.spawn(move || {
             if !quiet && wait.recv_timeout(A_WHILE) == Err(RecvTimeoutError::Timeout) {
                 say("compiling kernels (first time on this device)");
             }
         });
-        let prepared = rendering.prepare();
-        drop(ready);
-        Ok(prepared?)
+        let prepared = prepare();
+        drop(done);
+        prepared
     })
 }
 

@@ -1,5 +1,7 @@
 //! The mesh as plain data, and what makes it fit to be drawn.
 
+use std::collections::HashMap;
+use std::hash::{BuildHasher, RandomState};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -61,6 +63,8 @@ pub struct Dropped {
     pub degenerate: usize,
     /// Triangles with a vertex that is infinite or not a number.
     pub not_finite: usize,
+    /// Triangles in the place of several others of their part, which a ray would all have to try.
+    pub repeated: usize,
     /// Normals, texture coordinates and colours that were infinite or not a number, now neutral.
     pub attributes: usize,
 }
@@ -76,6 +80,7 @@ impl Dropped {
         };
         tell(self.degenerate, "faces without area were left out");
         tell(self.not_finite, "triangles with a vertex that is not finite were left out");
+        tell(self.repeated, "triangles that coincide with others were left out");
         tell(self.attributes, "normals, texture coordinates or colours that were not finite were replaced");
         (!what.is_empty()).then(|| what.join("; "))
     }
@@ -123,6 +128,7 @@ impl Mesh {
         self.check()?;
         let mut dropped = Dropped::default();
         self.drop_triangles(&mut dropped);
+        self.drop_repeated(&mut dropped);
         self.drop_vertices();
         let fix = |value: &mut [f32], neutral: f32| {
             let broken = value.iter().any(|x| !x.is_finite());
@@ -187,6 +193,49 @@ impl Mesh {
         }
         self.triangles.truncate(kept);
         self.parts.retain(|part| !part.triangles.is_empty());
+    }
+
+    /// Drops triangles that have the corners of several others of their part, in the same order. A few in one place stay:
+    /// they cost little, and may be meant, as coats of glass are. In a large mesh a few such places are not looked for.
+    fn drop_repeated(&mut self, dropped: &mut Dropped) {
+        /// Triangles that are looked at to find out whether any coincide.
+        const LOOKED_AT: usize = 1 << 18;
+        /// Triangles that may stay in one place.
+        const FEW: u32 = 4;
+        let stride = self.triangles.len().div_ceil(LOOKED_AT).max(1);
+        let hasher = RandomState::new();
+        let mut hashes: Vec<u64> =
+            self.triangles.iter().step_by(stride).map(|t| hasher.hash_one(self.corners(t))).collect();
+        hashes.sort_unstable();
+        if hashes.windows(2).all(|pair| pair[0] != pair[1]) {
+            return;
+        }
+        let mut kept = 0;
+        for place in 0..self.parts.len() {
+            let mut known = HashMap::<_, u32>::new();
+            let start = kept;
+            for number in self.parts[place].triangles.clone() {
+                let there = known.entry(self.corners(&self.triangles[number])).or_default();
+                *there += 1;
+                if *there <= FEW {
+                    self.triangles[kept] = self.triangles[number];
+                    kept += 1;
+                }
+            }
+            self.parts[place].triangles = start..kept;
+        }
+        dropped.repeated += self.triangles.len() - kept;
+        self.triangles.truncate(kept);
+    }
+
+    /// Bits of a triangle's corners, of which the least stands first.
+    fn corners(&self, triangle: &[u32; 3]) -> [[u32; 3]; 3] {
+        // Zero has two signs.
+        let bits = |index: u32| self.positions[index as usize].map(|x| (x + 0.0).to_bits());
+        let mut corners = triangle.map(bits);
+        let least = (0..3).min_by_key(|i| corners[*i]).unwrap_or(0);
+        corners.rotate_left(least);
+        corners
     }
 
     /// Drops vertices that are not finite even where no triangle uses them, because bounds are taken over all vertices.

@@ -271,3 +271,15 @@ fn names_that_lead_outside_are_refused() {
     }
     assert_eq!(path_inside(Path::new("f"), "a\\b c.png"), Some("f/a/b c.png".into()));
 }
+
+/// Exporters write the same faces many times over, and each would cost a test a ray.
+#[test]
+fn of_triangles_in_one_place_a_few_are_kept() {
+    let copies = "f 1 2 3\nf 2 3 1\nf 1 3 2\n".repeat(10_000);
+    let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 -0.0\nv 0 1 0\n{copies}f 1 2 4\nusemtl other\nf 1 2 3\n");
+    let file = parse_obj(text.as_bytes(), "a.obj").expect("the file can be read");
+    // Four of either orientation stay, and what is of another material.
+    assert_eq!(file.mesh.triangles.len(), 9);
+    let told = file.dropped.warning().expect("there is something to tell");
+    assert_eq!(told, "29993 triangles that coincide with others were left out");
+}

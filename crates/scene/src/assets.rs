@@ -16,7 +16,7 @@ use cache::{Cache, Key};
 pub(crate) use imported::{Bounds, Imported, can_be_undone};
 
 /// Options for reading models.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct AssetOptions {
     /// Whether a model may name files outside its own folder. The files that a scene names are its writer's choice and
     /// may lie anywhere; a model comes from somebody else.
@@ -25,6 +25,8 @@ pub struct AssetOptions {
     pub time_seconds: Option<f64>,
     /// Width and height, in pixels, of the pictures of models that are shown without a scene file.
     pub picture: Option<[u32; 2]>,
+    /// Camera of a model that is shown without a scene file: its name, or its number from 1 on. `None`: the first.
+    pub camera: Option<String>,
 }
 
 /// Models and images, kept from one reading of a scene to the next.
@@ -48,8 +50,8 @@ impl Assets {
     }
 
     /// Options that these assets were made with.
-    pub fn options(&self) -> AssetOptions {
-        self.options
+    pub fn options(&self) -> &AssetOptions {
+        &self.options
     }
 
     /// Canonical paths of the files that the last scene was made of, in no order; not of those that models name.

@@ -113,6 +113,7 @@ fn camera(file: &CameraFile) -> Camera {
         look_at: vec3(file.look_at),
         up: vec3(file.up),
         vertical_fov_degrees: file.vertical_fov_degrees.0 as f32,
+        orthographic_height: file.orthographic_height.map(|height| f64::from(height) as f32),
         aperture_radius: file.aperture_radius.0 as f32,
         focus_distance: focus_distance as f32,
     }
@@ -162,7 +163,7 @@ fn perpendicular_axis(towards: DVec3) -> &'static str {
 fn radians(file: &CameraFile) -> Option<Fault> {
     const HALF_TURN: f64 = 3.2;
     let angle = file.vertical_fov_degrees.0;
-    if angle >= HALF_TURN {
+    if angle >= HALF_TURN || file.orthographic_height.is_some() {
         return None;
     }
     let degrees = (10.0 * angle.to_degrees()).round() / 10.0;

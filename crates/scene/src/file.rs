@@ -92,6 +92,8 @@ pub(crate) struct CameraFile {
     pub up: Point,
     /// Angle between the picture's top and bottom edges, greater than 0 and less than 180.
     pub vertical_fov_degrees: FieldOfView,
+    /// Height of the picture in the scene's units, for an orthographic camera: all rays are parallel, and the angle counts for nothing.
+    pub orthographic_height: Option<Positive>,
     /// Radius of the lens: 0 keeps everything sharp, more blurs what is out of focus.
     #[serde(default = "zero")]
     pub aperture_radius: NonNegative,

@@ -59,3 +59,4 @@ pub use scene::{
     Scene, Shape, rotation,
 };
 pub use schema::schema;
+pub use showing::cameras;

@@ -108,6 +108,10 @@ pub fn scene_text(path: &Path, assets: &mut Assets) -> Result<String, SceneError
         return showing::text(path, assets);
     }
     let name = display_name(path);
+    if assets.options().camera.is_some() {
+        let message = "has the one camera of its table [camera]: cameras are chosen by name among those of a model";
+        return Err(SceneError::whole_file(&name, message));
+    }
     let bytes = read(path);
     if has_foreign_ending(path) && path.is_file() && !bytes.as_ref().is_ok_and(|bytes| names_version(bytes)) {
         let models = endings::<Format>();

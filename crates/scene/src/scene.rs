@@ -126,6 +126,8 @@ pub struct Camera {
     pub up: Vec3,
     /// Angle between the picture's top and bottom edges, between 0 and 180 exclusive.
     pub vertical_fov_degrees: f32,
+    /// Height of the picture in the scene's units, where all rays are parallel; the angle has no meaning then.
+    pub orthographic_height: Option<f32>,
     /// Radius of the lens; 0 is a pinhole.
     pub aperture_radius: f32,
     /// Distance from `position`, along the viewing direction, of the plane in focus; positive.

@@ -10,7 +10,7 @@ use raggio_models::{Camera, Format, Place, Projection};
 
 use crate::assets::{Assets, Bounds, Imported, Trouble};
 use crate::error::SceneError;
-use crate::names::display_name;
+use crate::names::{display_name, escaped};
 use crate::number::LARGEST;
 use crate::scene::RenderSettings;
 
@@ -41,10 +41,11 @@ pub(crate) fn text(path: &Path, assets: &mut Assets) -> Result<String, SceneErro
     if bounds.reach() > LARGEST / 10.0 {
         return Err(refuse("is too large: keep all of it within 1e14 of the origin"));
     }
-    let [width, height] = assets.options().picture.unwrap_or_else(|| picture(&model));
+    let own = own_camera(&model, assets.options().camera.as_deref()).map_err(|message| refuse(&message))?;
+    let [width, height] = assets.options().picture.unwrap_or_else(|| picture(own));
     let mut text = format!("# Shows {}.\nversion = 1\n", file.escape_debug());
     let _ = writeln!(text, "[render]\nwidth = {width}\nheight = {height}");
-    camera(&mut text, &model, bounds, f64::from(width) / f64::from(height));
+    camera(&mut text, own, bounds, f64::from(width) / f64::from(height));
     surroundings(&mut text, &model, bounds);
     let is_animated = Format::of_path(path).is_some_and(Format::is_animated);
     subject(&mut text, &model, file, assets.options().time_seconds.filter(|_| is_animated), turned);
@@ -85,40 +86,67 @@ fn bounds(model: &Imported, world_from_model: &DAffine3) -> Bounds {
 }
 
 /// Size of the picture, with the aspect of the file's camera if it has one that gives it.
-fn picture(model: &Imported) -> [u32; 2] {
+fn picture(own: Option<&Camera>) -> [u32; 2] {
     let RenderSettings { width, height, .. } = RenderSettings::default();
-    let aspect = own_camera(model).and_then(|(camera, _)| camera.aspect());
+    let aspect = own.and_then(Camera::aspect);
     let aspect = aspect.filter(|aspect| (0.1..=10.0).contains(aspect));
     [aspect.map_or(width, |aspect| (aspect * height as f32).round() as u32), height]
 }
 
-/// Writes the camera: the file's first, or one that sees the whole model.
-fn camera(text: &mut String, model: &Imported, bounds: Bounds, aspect: f64) {
+/// Writes the camera: the file's own, or one that sees the whole model.
+fn camera(text: &mut String, own: Option<&Camera>, bounds: Bounds, aspect: f64) {
     let center = 0.5 * (bounds.min + bounds.max);
-    let (position, look_at, up, fov) = match own_camera(model) {
-        Some((camera, vertical_fov)) => of_file(camera, vertical_fov, bounds),
-        None => (center + distance(bounds, aspect) * TOWARDS_CAMERA.normalize(), center, DVec3::Y, VERTICAL_FOV),
+    let (position, look_at, up) = match own {
+        Some(camera) => (camera.position, looks_at(camera, bounds), camera.up),
+        None => (center + distance(bounds, aspect) * TOWARDS_CAMERA.normalize(), center, DVec3::Y),
     };
     let [position, look_at, up] = [position, look_at, up].map(list);
     let _ = writeln!(text, "[camera]\nposition = {position}\nlook_at = {look_at}\nup = {up}");
+    let fov = match own.map(|camera| camera.projection) {
+        Some(Projection::Perspective { vertical_fov, .. }) => f64::from(vertical_fov).to_degrees().clamp(0.01, 179.0),
+        _ => VERTICAL_FOV,
+    };
     let _ = writeln!(text, "vertical_fov_degrees = {}", number(fov));
+    if let Some(Projection::Orthographic { ymag, .. }) = own.map(|camera| camera.projection) {
+        let _ = writeln!(text, "orthographic_height = {}", number(2.0 * f64::from(ymag)));
+    }
 }
 
-/// The file's first perspective camera, the kind that scenes have, and its vertical field of view in radians.
-fn own_camera(model: &Imported) -> Option<(&Camera, f32)> {
-    model.cameras.iter().find_map(|camera| match camera.projection {
-        Projection::Perspective { vertical_fov, .. } => Some((camera, vertical_fov)),
-        Projection::Orthographic { .. } => None,
+/// Camera of the file: the one that is `wanted` by its name or its number from 1 on, or the first.
+fn own_camera<'a>(model: &'a Imported, wanted: Option<&str>) -> Result<Option<&'a Camera>, String> {
+    let Some(wanted) = wanted else { return Ok(model.cameras.first()) };
+    let by_name = model.cameras.iter().find(|camera| camera.name == wanted);
+    let by_number = || model.cameras.get(wanted.parse::<usize>().ok()?.checked_sub(1)?);
+    by_name.or_else(by_number).map(Some).ok_or_else(|| match &*listed(model) {
+        [] => format!("has no camera `{}`, nor any other", escaped(wanted)),
+        cameras => format!("has no camera `{}`: give a name or a number of {}", escaped(wanted), cameras.join(", ")),
     })
 }
 
-/// View of a camera of the file; it looks at the middle of its picture, as far away as the model's middle.
-fn of_file(camera: &Camera, vertical_fov: f32, bounds: Bounds) -> (DVec3, DVec3, DVec3, f64) {
+/// Numbers, names and kinds of the file's cameras.
+fn listed(model: &Imported) -> Vec<String> {
+    let describe = |(i, camera): (usize, &Camera)| {
+        let kind = match camera.projection {
+            Projection::Perspective { .. } => "perspective",
+            Projection::Orthographic { .. } => "orthographic",
+        };
+        format!("{} `{}` ({kind})", i + 1, escaped(&camera.name))
+    };
+    model.cameras.iter().enumerate().map(describe).collect()
+}
+
+/// Cameras of a model that is shown without a scene file, in words: number, name and kind of each. None where `path` is no
+/// model, or the model cannot be read.
+pub fn cameras(path: &Path, assets: &mut Assets) -> Vec<String> {
+    assets.model(path.to_path_buf(), None).map(|model| listed(&model)).unwrap_or_default()
+}
+
+/// Point that a camera of the file looks at: the middle of its picture, as far away as the model's middle.
+fn looks_at(camera: &Camera, bounds: Bounds) -> DVec3 {
     let center = 0.5 * (bounds.min + bounds.max);
     let depth = (center - camera.position).dot(camera.forward);
     let depth = depth.max(1e-3 * bounds.size()).max(1e-4 * camera.position.length());
-    let fov = f64::from(vertical_fov).to_degrees().clamp(0.01, 179.0);
-    (camera.position, camera.position + depth * camera.forward, camera.up, fov)
+    camera.position + depth * camera.forward
 }
 
 /// Distance from the middle of the box, along [`TOWARDS_CAMERA`], at which every corner of it is in the picture.

@@ -32,6 +32,7 @@ fn the_example_with_every_key() {
             look_at: Vec3::Y,
             up: Vec3::Y,
             vertical_fov_degrees: 40.0,
+            orthographic_height: None,
             aperture_radius: 0.0,
             focus_distance: 4.0,
         },

@@ -41,7 +41,7 @@ impl Files {
     /// Reads scene and script.
     pub fn read(options: &Options) -> Result<Self, ViewError> {
         let player = options.play.as_deref().map(Player::load).transpose()?;
-        Ok(Self { document: Document::open_with(&options.scene, options.assets)?, player })
+        Ok(Self { document: Document::open_with(&options.scene, options.assets.clone())?, player })
     }
 }
 

@@ -113,7 +113,16 @@ impl Module {
         let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(self.layout)];
         // SAFETY: module and layout belong to this device and outlive the pipeline.
         let created = unsafe { self.device.raw.create_compute_pipelines(vk::PipelineCache::null(), &info, None) };
-        let raw = created.map_err(|(_, result)| result).during("vkCreateComputePipelines")?[0];
+        let raw = created.map_err(|(_, result)| match result {
+            // What drivers answer that cannot compile a kernel.
+            vk::Result::ERROR_UNKNOWN
+            | vk::Result::ERROR_INITIALIZATION_FAILED
+            | vk::Result::ERROR_INVALID_SHADER_NV => {
+                let physical = self.device.physical();
+                VulkanError::Kernels { name: physical.name.clone(), driver: physical.driver.clone(), result }
+            }
+            other => VulkanError::of("vkCreateComputePipelines", other),
+        })?[0];
         Ok(Pipeline { raw, module: self.clone() })
     }
 

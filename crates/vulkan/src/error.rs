@@ -32,6 +32,16 @@ pub enum VulkanError {
         /// Features that the device lacks.
         missing: String,
     },
+    /// The driver fails to compile a kernel.
+    #[error("{name}'s driver, {driver}, cannot compile the kernels ({result}): a newer one may")]
+    Kernels {
+        /// Name of the device.
+        name: String,
+        /// Name and version of the driver.
+        driver: String,
+        /// Answer of the driver.
+        result: vk::Result,
+    },
     /// A buffer is larger than the device can bind or allocate.
     #[error("{what} needs {needed} bytes in one buffer, and {name} can take {limit} there")]
     TooLarge {
@@ -101,14 +111,21 @@ pub(crate) trait During<T> {
 
 impl<T> During<T> for Result<T, vk::Result> {
     fn during(self, call: &'static str) -> Result<T, VulkanError> {
-        self.map_err(|result| match result {
-            vk::Result::ERROR_DEVICE_LOST => VulkanError::DeviceLost,
-            vk::Result::ERROR_SURFACE_LOST_KHR => VulkanError::SurfaceLost,
-            vk::Result::ERROR_INCOMPATIBLE_DRIVER => VulkanError::NoDriver,
+        self.map_err(|result| VulkanError::of(call, result))
+    }
+}
+
+impl VulkanError {
+    /// Error of a call that has ended with `result`.
+    pub(crate) fn of(call: &'static str, result: vk::Result) -> Self {
+        match result {
+            vk::Result::ERROR_DEVICE_LOST => Self::DeviceLost,
+            vk::Result::ERROR_SURFACE_LOST_KHR => Self::SurfaceLost,
+            vk::Result::ERROR_INCOMPATIBLE_DRIVER => Self::NoDriver,
             vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
-                VulkanError::OutOfMemory(call.into())
+                Self::OutOfMemory(call.into())
             }
-            result => VulkanError::Call { call, result },
-        })
+            result => Self::Call { call, result },
+        }
     }
 }

@@ -61,14 +61,21 @@ pub struct PhysicalDevice {
     pub(crate) addresses: bool,
     /// Whether the device can draw panels, not only compute.
     pub draws: bool,
-    /// Features that the kernels need and the device lacks; it is usable if there is none.
+    /// Features that are needed and the device lacks; it is usable if there is none.
     pub missing: Vec<String>,
+    /// Driver to install in place of one that is known not to compile the kernels, though it draws.
+    pub outdated: Option<String>,
 }
 
 impl PhysicalDevice {
     /// Connection to the loader through which the device was found.
     pub fn instance(&self) -> &Arc<Instance> {
         &self.instance
+    }
+
+    /// What the device lacks to run the kernels; it can if there is nothing.
+    pub fn lacks(&self) -> Vec<String> {
+        self.missing.iter().chain(&self.outdated).cloned().collect()
     }
 }
 
@@ -223,8 +230,21 @@ impl Instance {
             addresses: vulkan12.buffer_device_address == vk::TRUE,
             draws: drawing.is_some(),
             missing,
+            outdated: outdated(&driver),
         }
     }
+}
+
+/// Driver to install in place of `driver`, if that is known not to compile the kernels.
+fn outdated(driver: &vk::PhysicalDeviceDriverProperties) -> Option<String> {
+    let is_old = driver.driver_id == vk::DriverId::MESA_LLVMPIPE && is_old_mesa(&text(driver.driver_info_as_c_str()));
+    is_old.then(|| "Mesa 23 or newer (Debian 12: apt install -t bookworm-backports mesa-vulkan-drivers)".into())
+}
+
+/// Whether lavapipe of this version, `Mesa 22.3.6 (LLVM 15.0.6)`, fails to compile the kernels.
+fn is_old_mesa(info: &str) -> bool {
+    let major = info.strip_prefix("Mesa ").and_then(|rest| rest.split('.').next());
+    major.and_then(|major| major.parse().ok()).is_some_and(|major: u32| major < 23)
 }
 
 impl PhysicalDevice {
@@ -307,4 +327,22 @@ unsafe extern "system" fn on_message(
         messages.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).push(message);
     }
     vk::FALSE
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lavapipe_is_told_by_its_version() {
+        for (info, old) in [
+            ("Mesa 22.3.6 (LLVM 15.0.6)", true),
+            ("Mesa 23.0.0-devel", false),
+            ("Mesa 25.0.7-2~bpo12+1 (LLVM 15.0.6)", false),
+            ("", false),
+            ("550.54.15", false),
+        ] {
+            assert_eq!(is_old_mesa(info), old, "{info}");
+        }
+    }
 }

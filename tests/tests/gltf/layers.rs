@@ -79,7 +79,7 @@ fn reflections() -> Vec<Case> {
             json: extended(metal, "KHR_materials_anisotropy", brushed),
             own: "base_color = [0.8, 0.4, 0.2], metallic = 1, roughness = 0.3, anisotropy = 0.9, anisotropy_rotation = 30",
             without: "base_color = [0.8, 0.4, 0.2], metallic = 1, roughness = 0.3",
-            ratio: [0.65, 0.7],
+            ratio: [0.77, 0.81],
         },
     ]
 }

@@ -3,9 +3,9 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::DVec3;
-use raggio_scene::Scene;
+use raggio_scene::{AssetOptions, Assets, Scene};
 use raggio_tests::devices::cpu;
-use raggio_tests::render;
+use raggio_tests::{for_each_device, render};
 use raggio_tests::render::means;
 use serde_json::json;
 
@@ -128,4 +128,45 @@ fn cameras_of_the_file() {
         let (x, y) = (((i % 24) as f64 + 0.5) / 8.0 - 1.5, 1.0 - ((i / 24) as f64 + 0.5) / 8.0);
         assert_eq!(radiance.x > 900.0, within([0.0, 0.0], [1.0, 0.5])(x, y), "{radiance} at ({x}, {y})");
     }
+}
+
+/// Of a file's cameras one is chosen by name or number; through the orthographic one things are as large far away as near.
+#[test]
+fn one_of_the_cameras_is_chosen() {
+    let bright = json!({ "KHR_materials_emissive_strength": { "emissiveStrength": 1000 } });
+    let mut asset = Asset::square(crate::gltf::asset::merged(glowing(), json!({ "extensions": bright })));
+    asset.json["nodes"] = json!([
+        { "mesh": 0 },
+        { "camera": 0, "name": "near", "translation": [0, 0, 2] },
+        { "camera": 1, "name": "plan", "translation": [0.25, 0, 50] },
+    ]);
+    let perspective = json!({ "yfov": 2.0 * 0.5f64.atan(), "aspectRatio": 1.5, "znear": 0.1 });
+    let orthographic = json!({ "xmag": 1.5, "ymag": 1, "znear": 0.1, "zfar": 100 });
+    asset.json["cameras"] = json!([
+        { "type": "perspective", "perspective": perspective },
+        { "type": "orthographic", "orthographic": orthographic },
+    ]);
+    let folder = tempfile::tempdir().expect("there is room for temporary files");
+    let path = folder.path().join("a.gltf");
+    std::fs::write(&path, asset.bytes()).expect("the model is written");
+    let load = |camera: Option<&str>| {
+        let camera = camera.map(str::to_owned);
+        Scene::load_with(&path, &mut Assets::new(AssetOptions { camera, ..AssetOptions::default() }))
+    };
+    for (camera, center) in [(None, 0.0), (Some("near"), 0.0), (Some("1"), 0.0), (Some("plan"), -0.25), (Some("2"), -0.25)]
+    {
+        let mut scene = load(camera).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(scene.render.width * 2, scene.render.height * 3);
+        (scene.render.width, scene.render.height, scene.render.filter) = (24, 16, raggio_scene::Filter::Point);
+        for_each_device(|device| {
+            for (i, radiance) in means(&render(device.device, &scene, 1)).iter().enumerate() {
+                let (x, y) = (((i % 24) as f64 + 0.5) / 8.0 - 1.5, 1.0 - ((i / 24) as f64 + 0.5) / 8.0);
+                let lit = within([center, 0.0], [1.0, 1.0])(x, y);
+                assert_eq!(radiance.x > 900.0, lit, "{}, camera {camera:?}: {radiance} at ({x}, {y})", device.label);
+            }
+        });
+    }
+    let refused = load(Some("third")).expect_err("there is none").to_string();
+    let told = "a.gltf: has no camera `third`: give a name or a number of 1 `near` (perspective), 2 `plan` (orthographic)";
+    assert!(refused.ends_with(told), "{refused}");
 }

@@ -123,6 +123,7 @@ impl<'a> Builder<'a> {
         let dropped = mesh.clean("").map_err(|error| at(format!("meshes[{number}]"), error.message))?;
         self.dropped.degenerate += dropped.degenerate;
         self.dropped.not_finite += dropped.not_finite;
+        self.dropped.repeated += dropped.repeated;
         self.dropped.attributes += dropped.attributes;
         if mesh.triangles.is_empty() {
             return Ok(None);

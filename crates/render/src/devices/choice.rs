@@ -57,11 +57,11 @@ pub fn devices() -> (Vec<DeviceInfo>, Option<DeviceError>) {
         Ok(physical) => {
             found.extend(physical.into_iter().map(|p| DeviceInfo {
                 id: format!("vulkan:{}", p.index),
+                missing: p.lacks(),
                 name: p.name,
                 kind: p.kind.name(),
                 driver: p.driver,
                 memory_bytes: Some(p.memory_bytes),
-                missing: p.missing,
             }));
             (found, None)
         }
@@ -127,7 +127,7 @@ fn open_vulkan(number: Option<usize>, options: &OpenOptions) -> Result<VulkanDev
     let physical = options.physical_devices()?;
     let chosen = match number {
         Some(n) => physical.get(n),
-        None => physical.iter().filter(|p| p.missing.is_empty()).min_by_key(|p| match p.kind {
+        None => physical.iter().filter(|p| p.lacks().is_empty()).min_by_key(|p| match p.kind {
             DeviceKind::Discrete => 0,
             DeviceKind::Integrated => 1,
             DeviceKind::Virtual => 2,

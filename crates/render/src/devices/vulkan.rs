@@ -11,7 +11,7 @@ use raggio_kernels::{
 };
 use raggio_scene::Integrator;
 use raggio_vulkan::{
-    BindingSet, Buffer, Device as VulkanContext, Location, Module, PhysicalDevice, Pipeline, SetLayout,
+    BindingSet, Buffer, Device as VulkanContext, Location, Module, PhysicalDevice, Pipeline, SetLayout, VulkanError,
 };
 
 use crate::devices::adaptive::Blocks;
@@ -57,6 +57,9 @@ impl VulkanDevice {
     /// # Errors
     /// A [`DeviceError::Vulkan`] when the device cannot run the kernels, or a call of Vulkan fails.
     pub fn new(physical: &PhysicalDevice) -> Result<Self, DeviceError> {
+        if let Some(newer) = &physical.outdated {
+            return Err(VulkanError::Unfit { name: physical.name.clone(), missing: newer.clone() }.into());
+        }
         Self::with_kernels(VulkanContext::new(physical)?, &SPIRV)
     }
 

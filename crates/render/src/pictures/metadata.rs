@@ -6,6 +6,8 @@ use exr::prelude::{AttributeValue, LayerAttributes, Text};
 use glam::{DMat4, DVec4};
 use raggio_scene::{Camera, RenderSettings, Scene};
 
+use crate::translation::device_scene::half_height;
+
 /// Record of how a picture was made.
 #[derive(Clone, Debug)]
 pub struct Metadata {
@@ -65,14 +67,13 @@ impl Metadata {
 
     /// Map from the camera to the picture, whose top left corner is (0, 0) and whose bottom right one is (1, 1).
     fn ndc_from_camera(&self) -> DMat4 {
-        let half_height = (f64::from(self.camera.vertical_fov_degrees).to_radians() / 2.0).tan();
+        let half_height = half_height(&self.camera);
         let half_width = half_height * f64::from(self.settings.width) / f64::from(self.settings.height);
-        DMat4::from_cols(
-            DVec4::new(0.5 / half_width, 0.0, 0.0, 0.0),
-            DVec4::new(0.0, -0.5 / half_height, 0.0, 0.0),
-            DVec4::new(0.5, 0.5, 1.0, 1.0),
-            DVec4::new(0.0, 0.0, -1.0, 0.0),
-        )
+        let (x, y) = (DVec4::X * (0.5 / half_width), DVec4::Y * (-0.5 / half_height));
+        match self.camera.orthographic_height {
+            None => DMat4::from_cols(x, y, DVec4::new(0.5, 0.5, 1.0, 1.0), DVec4::new(0.0, 0.0, -1.0, 0.0)),
+            Some(_) => DMat4::from_cols(x, y, DVec4::Z, DVec4::new(0.5, 0.5, 0.0, 1.0)),
+        }
     }
 }
 

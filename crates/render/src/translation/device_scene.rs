@@ -205,20 +205,29 @@ fn device_camera(camera: &Camera, render: &RenderSettings) -> DeviceCamera {
     let up = back.cross(right);
     let world_from_view = DMat4::from_cols(right.extend(0.0), up.extend(0.0), back.extend(0.0), eye.extend(1.0));
 
-    // The inverse of the usual perspective projection, with its planes at 1 and 2: only directions are taken from it.
-    let half_height = (f64::from(camera.vertical_fov_degrees).to_radians() / 2.0).tan();
+    // The inverse of the usual projection, with its planes at 1 and 2: only directions, or places of parallel rays, are
+    // taken from it.
+    let half_height = half_height(camera);
     let half_width = half_height * f64::from(render.width) / f64::from(render.height);
-    let view_from_clip = DMat4::from_cols(
-        DVec4::X * half_width,
-        DVec4::Y * half_height,
-        DVec4::W * -0.25,
-        DVec4::new(0.0, 0.0, -1.0, 0.75),
-    );
+    let (x, y) = (DVec4::X * half_width, DVec4::Y * half_height);
+    let view_from_clip = match camera.orthographic_height {
+        None => DMat4::from_cols(x, y, DVec4::W * -0.25, DVec4::new(0.0, 0.0, -1.0, 0.75)),
+        Some(_) => DMat4::from_cols(x, y, -DVec4::Z, DVec4::new(0.0, 0.0, -1.0, 1.0)),
+    };
     DeviceCamera {
         world_from_view: rows(world_from_view),
         view_from_clip: rows(view_from_clip),
         aperture_radius: camera.aperture_radius,
         focus_distance: camera.focus_distance,
+        parallel: u32::from(camera.orthographic_height.is_some()),
+    }
+}
+
+/// Half of the picture's height: at the distance 1, or anywhere where rays are parallel.
+pub(crate) fn half_height(camera: &Camera) -> f64 {
+    match camera.orthographic_height {
+        None => (f64::from(camera.vertical_fov_degrees).to_radians() / 2.0).tan(),
+        Some(height) => f64::from(height) / 2.0,
     }
 }
 

@@ -39,6 +39,7 @@ pub(super) fn camera(old: &Camera, new: &Camera) -> Vec<Field> {
         field("look_at", old, new, Absent, |it| Vector(it.look_at)),
         field("up", old, new, Vector(Vec3::Y), |it| Vector(it.up)),
         field("vertical_fov_degrees", old, new, Absent, |it| Number(it.vertical_fov_degrees)),
+        field("orthographic_height", old, new, Absent, |it| it.orthographic_height.map_or(Absent, Number)),
         field("aperture_radius", old, new, Number(0.0), |it| Number(it.aperture_radius)),
         field("focus_distance", old, new, Number(view_distance(new)), |it| Number(it.focus_distance)),
     ]

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use raggio_render::{Comparison, Device, Image, PictureFormat, VulkanDevice};
+use raggio_scene::AssetOptions;
 
 use super::Viewer;
 use crate::document::Document;
@@ -97,7 +98,8 @@ impl Viewer {
             ));
             return Ok(());
         }
-        let document = Document::open_with(path, self.document.assets().options())?;
+        let document =
+            Document::open_with(path, AssetOptions { camera: None, ..self.document.assets().options().clone() })?;
         self.tracer.set_scene(document.scene(), &document.scene().camera)?;
         let preset = self.pilot.preset();
         self.pilot = Pilot::new(document.scene());
