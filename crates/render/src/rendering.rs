@@ -9,7 +9,7 @@ use raggio_kernels::MAX_NESTED_MEDIA;
 use raggio_scene::Scene;
 
 use crate::devices::device::{Device, DeviceError};
-use crate::devices::machine::{TooLarge, check_memory};
+use crate::devices::machine::{TooLarge, check_films};
 use crate::pictures::aov::Features;
 use crate::pictures::film::Film;
 use crate::pictures::image_file::Extras;
@@ -71,7 +71,9 @@ impl Rendering {
     /// # Errors
     /// A [`RenderError`] when the picture or the scene is too large, or the device fails.
     pub fn begin(scene: &Scene, device: &dyn Device, request: RenderRequest) -> Result<Self, RenderError> {
-        check_memory(scene.render.width, scene.render.height)?;
+        // What a denoiser works in is about as large as two films.
+        let denoiser = if request.denoise { 2 } else { 0 };
+        check_films(scene.render.width, scene.render.height, request.features().len() as u64 + denoiser)?;
         let device_scene = DeviceScene::new(scene)?;
         let session = device.load(&device_scene)?;
         let mut renderer = Renderer::new(session, &device_scene, request.stop.samples(&scene.render));
@@ -157,8 +159,7 @@ impl Rendering {
 
     /// Renders what the layers and the denoiser need to know of first surfaces.
     fn features(&mut self, observer: &mut dyn Observer, film: &Film) -> Result<Features, DeviceError> {
-        let guides: &[_] = if self.request.denoise { &Features::GUIDES } else { &[] };
-        let wanted: Vec<_> = self.request.layers.iter().flat_map(|aov| aov.features()).chain(guides).copied().collect();
+        let wanted = self.request.features();
         // The mean number, where parts of the picture have more than others; an early end ends these films early too.
         let samples = (film.samples() / film.pixels().len() as u64).clamp(1, MOST_FEATURE_SAMPLES) as u32;
         let progress = self.renderer.progress();

@@ -2,9 +2,10 @@
 
 use std::ops::{ControlFlow, Range};
 
+use raggio_kernels::Feature;
 use raggio_scene::RenderSettings;
 
-use crate::pictures::aov::Aov;
+use crate::pictures::aov::{Aov, Features};
 use crate::renderer::Progress;
 
 /// Samples a pixel of a render that stops by its noise alone, in case it never does.
@@ -26,6 +27,20 @@ pub struct RenderRequest {
     pub label: bool,
     /// End of sampling.
     pub stop: Stop,
+}
+
+impl RenderRequest {
+    /// Features that layers and guides are made from, each once.
+    pub(crate) fn features(&self) -> Vec<Feature> {
+        let guides: &[_] = if self.denoise { &Features::GUIDES } else { &[] };
+        let mut wanted = vec![];
+        for feature in self.layers.iter().flat_map(|aov| aov.features()).chain(guides) {
+            if !wanted.contains(feature) {
+                wanted.push(*feature);
+            }
+        }
+        wanted
+    }
 }
 
 /// End of sampling: whichever of these limits comes first.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use raggio_choice::endings;
-use raggio_images::{Bitmap, Limits};
+use raggio_images::{Bitmap, ImageError, Limits, Problem};
 use raggio_models::{Format, LoadOptions, Place};
 
 use crate::names;
@@ -81,7 +81,8 @@ impl Assets {
         };
         let AssetOptions { allow_outside, time_seconds: overriding, .. } = self.options;
         let time_seconds = overriding.or(time_seconds).filter(|_| format.is_animated());
-        let options = LoadOptions { time_seconds, allow_outside, ..LoadOptions::default() };
+        let most_bytes = budget(LoadOptions::default().most_bytes);
+        let options = LoadOptions { time_seconds, allow_outside, most_bytes };
         self.models.get_or_read(Key::new(path, time_seconds), |path| {
             let model = raggio_models::load(path, &options);
             let model =
@@ -93,10 +94,23 @@ impl Assets {
     /// The image at `path`.
     pub(crate) fn image(&mut self, path: PathBuf) -> Result<Arc<Bitmap>, Trouble> {
         self.images.get_or_read(Key::new(path, None), |path| {
-            let image = raggio_images::load(path, &Limits::default());
-            image.map_err(|error| Trouble::whole(names::escaped(&error.problem.to_string())))
+            let most_bytes = budget(Limits::default().most_bytes);
+            let image = raggio_images::load(path, &Limits { most_bytes, ..Limits::default() });
+            let told = |error: ImageError| match &error.problem {
+                Problem::TooManyPixels { .. } if most_bytes < Limits::default().most_bytes => {
+                    format!("{}, because no more memory is available", error.problem)
+                }
+                problem => problem.to_string(),
+            };
+            image.map_err(|error| Trouble::whole(names::escaped(&told(error))))
         })
     }
+}
+
+/// Bytes that a file may take, of at most `most`: what is read is decoded in up to three times as much memory, and then
+/// held by the scene and by the device.
+fn budget(most: u64) -> u64 {
+    raggio_memory::available_bytes().map_or(most, |bytes| most.min(bytes / 4))
 }
 
 /// Problem of a file; shown right after the file's name.

@@ -5,8 +5,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use glam::DVec3;
 use raggio_scene::{AssetOptions, Assets, Scene};
 use raggio_tests::devices::cpu;
-use raggio_tests::{for_each_device, render};
 use raggio_tests::render::means;
+use raggio_tests::{for_each_device, render};
 use serde_json::json;
 
 use crate::gltf::asset::{Asset, I16, glowing};
@@ -153,7 +153,8 @@ fn one_of_the_cameras_is_chosen() {
         let camera = camera.map(str::to_owned);
         Scene::load_with(&path, &mut Assets::new(AssetOptions { camera, ..AssetOptions::default() }))
     };
-    for (camera, center) in [(None, 0.0), (Some("near"), 0.0), (Some("1"), 0.0), (Some("plan"), -0.25), (Some("2"), -0.25)]
+    for (camera, center) in
+        [(None, 0.0), (Some("near"), 0.0), (Some("1"), 0.0), (Some("plan"), -0.25), (Some("2"), -0.25)]
     {
         let mut scene = load(camera).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(scene.render.width * 2, scene.render.height * 3);
@@ -167,6 +168,7 @@ fn one_of_the_cameras_is_chosen() {
         });
     }
     let refused = load(Some("third")).expect_err("there is none").to_string();
-    let told = "a.gltf: has no camera `third`: give a name or a number of 1 `near` (perspective), 2 `plan` (orthographic)";
+    let told =
+        "a.gltf: has no camera `third`: give a name or a number of 1 `near` (perspective), 2 `plan` (orthographic)";
     assert!(refused.ends_with(told), "{refused}");
 }

@@ -112,6 +112,27 @@ fn second_coordinates() {
     assert_shows("the transform's own set", &picture, |u, v| four(v, u));
 }
 
+/// A checkerboard needs no image: its fields have the side 1 in texture coordinates, the first colour at their origin.
+#[test]
+fn checkerboards() {
+    let (first, second) = (DVec3::new(0.75, 0.5, 0.25), DVec3::new(0.125, 0.0, 1.0));
+    let board = "checker = [[0.75, 0.5, 0.25], [0.125, 0, 1]]";
+    for (table, scale, offset) in [
+        ("scale = [4, 4]", [4.0, 4.0], [0.0, 0.0]),
+        ("scale = [8, 2], offset = [1, 0]", [8.0, 2.0], [1.0, 0.0]),
+        ("scale = [4, 0]", [4.0, 0.0], [0.0, 0.0]),
+    ] {
+        let own = format!(
+            "base_color = [0, 0, 0], specular = 0, emissive = [1, 1, 1], emissive_texture = {{ {board}, {table} }}"
+        );
+        let shot = Shot { material: Some(own), ..Shot::default() };
+        assert_shows(table, &shot.take(&Asset::square(glowing())), |u, v| {
+            let field = (u * scale[0] + offset[0]).floor() + (v * scale[1] + offset[1]).floor();
+            if field.rem_euclid(2.0) == 0.0 { first } else { second }
+        });
+    }
+}
+
 /// Light between texels is blended: halfway between 0 and 1 it is a half.
 #[test]
 fn linear_filters_blend() {

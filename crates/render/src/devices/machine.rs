@@ -1,11 +1,15 @@
 //! Memory and processor of this machine, as far as the system tells.
 
+pub use raggio_memory::{
+    available_bytes, held_bytes as memory_bytes, peak_bytes as peak_memory_bytes, total_bytes as total_memory_bytes,
+};
+
 use crate::pictures::film::film_bytes;
 
 /// An image that this machine has no memory for.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "an image of {width}x{height} pixels needs {needed_gib:.1} GiB of memory, and this machine has {available_gib:.1}"
+    "an image of {width}x{height} pixels needs {needed_gib:.1} GiB of memory, and {available_gib:.1} GiB are available"
 )]
 pub struct TooLarge {
     width: u32,
@@ -18,11 +22,16 @@ pub struct TooLarge {
 /// machine: the system would end the program halfway.
 ///
 /// # Errors
-/// A [`TooLarge`] when it needs more memory than the system tells of.
+/// A [`TooLarge`] when it needs more memory than is available.
 pub fn check_memory(width: u32, height: u32) -> Result<(), TooLarge> {
+    check_films(width, height, 0)
+}
+
+/// [`check_memory`] for a picture with `more` films beside its own, for layers and guides.
+pub(crate) fn check_films(width: u32, height: u32, more: u64) -> Result<(), TooLarge> {
     let gib = |bytes: u64| bytes as f64 / (1u64 << 30) as f64;
-    let needed = 3 * film_bytes(width, height);
-    match total_memory_bytes() {
+    let needed = (3 + more) * film_bytes(width, height);
+    match available_bytes() {
         Some(available) if needed > available => {
             Err(TooLarge { width, height, needed_gib: gib(needed), available_gib: gib(available) })
         }
@@ -39,32 +48,6 @@ pub fn cores() -> usize {
 pub fn processor_name() -> String {
     let line = proc_value("/proc/cpuinfo", "model name");
     line.unwrap_or_else(|| format!("{} processor", std::env::consts::ARCH))
-}
-
-/// Memory that this machine could still give, in bytes; `None` where the system does not tell.
-pub(crate) fn free_memory_bytes() -> Option<u64> {
-    kibibytes("/proc/meminfo", "MemAvailable")
-}
-
-/// Memory of this machine in bytes; `None` where the system does not tell.
-pub fn total_memory_bytes() -> Option<u64> {
-    kibibytes("/proc/meminfo", "MemTotal")
-}
-
-/// Memory that this process holds, in bytes; `None` where the system does not tell.
-pub fn memory_bytes() -> Option<u64> {
-    kibibytes("/proc/self/status", "VmRSS")
-}
-
-/// Most memory that this process has held, in bytes; `None` where the system does not tell.
-pub fn peak_memory_bytes() -> Option<u64> {
-    kibibytes("/proc/self/status", "VmHWM")
-}
-
-/// Value after `key` in `file`, in bytes; the file gives it in kB.
-fn kibibytes(file: &str, key: &str) -> Option<u64> {
-    let value = proc_value(file, key)?;
-    Some(value.split_whitespace().next()?.parse::<u64>().ok()? * 1024)
 }
 
 /// The value after `key` in one of Linux's text files about itself; `None` elsewhere.

@@ -41,6 +41,14 @@ pub enum TranslationError {
         /// Memory of texels that kernels can address, in GiB.
         limit_gib: f64,
     },
+    /// An image for which no memory is left.
+    #[error("an image of the scene takes {needed_gib:.2} GiB of memory, and {available_gib:.2} GiB are available")]
+    NoMemoryForTexels {
+        /// Memory that the image's texels take, in GiB.
+        needed_gib: f64,
+        /// Memory that is available, in GiB.
+        available_gib: f64,
+    },
     /// A side of an image that floats cannot address.
     #[error("an image of {width} x {height} texels is too large: a side may have {MAX_TEXTURE_SIDE}")]
     ImageTooLarge {

@@ -51,7 +51,7 @@ impl Meshes {
             return Ok(());
         }
         let triangles = new.iter().map(|mesh| mesh.triangles.len()).sum();
-        check_memory(triangles, machine::free_memory_bytes())?;
+        check_memory(triangles, machine::available_bytes())?;
         // Each mesh is built on all threads if it is large, and many are built at once.
         let parts: Vec<_> = new.par_iter().map(|mesh| Part::build(mesh)).collect();
         for (mesh, part) in new.into_iter().zip(parts) {

@@ -9,6 +9,7 @@ use raggio_kernels::{
 use raggio_scene::{Bitmap, Texels, Texture, TextureFilter, Wrap};
 use rayon::prelude::*;
 
+use crate::devices::machine::available_bytes;
 use crate::translation::error::TranslationError;
 
 /// Meaning of an image's 8 or 16 bits as numbers; floats are linear in any case.
@@ -87,9 +88,22 @@ impl TextureTable {
             return Err(TranslationError::ImageTooLarge { width, height });
         }
         let first = first_word(self.texels.len(), image)?;
+        check_memory(image, available_bytes())?;
         append(Arc::make_mut(&mut self.texels), &image.texels);
         self.images.insert(Arc::as_ptr(image).addr(), (first, image.clone()));
         Ok(first)
+    }
+}
+
+/// Checks that there is memory for the texels of an image once more, as kernels read them.
+fn check_memory(image: &Bitmap, available: Option<u64>) -> Result<(), TranslationError> {
+    let needed = 4 * u64::from(format(&image.texels, ColorSpace::Linear).words()) * image.texels.len() as u64;
+    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    match available {
+        Some(available) if needed > available => {
+            Err(TranslationError::NoMemoryForTexels { needed_gib: gib(needed), available_gib: gib(available) })
+        }
+        _ => Ok(()),
     }
 }
 
@@ -216,6 +230,15 @@ mod tests {
         let pixel = [0xffff_1234, 0x8001_0000];
         let floats = [1.0f32, 0.5, 0.0].map(f32::to_bits);
         assert_eq!(words, [&[9], &pixel[..], &pixel, &floats].concat());
+    }
+
+    #[test]
+    fn texels_take_no_memory_that_is_not_there() {
+        let bitmap = image(Texels::Rgba16(vec![[0; 4]; 1 << 10]));
+        assert_eq!(check_memory(&bitmap, Some(8 << 10)), Ok(()));
+        assert_eq!(check_memory(&bitmap, None), Ok(()));
+        let refused = check_memory(&bitmap, Some((8 << 10) - 1)).expect_err("too little").to_string();
+        assert!(refused.starts_with("an image of the scene takes"), "{refused}");
     }
 
     #[test]

@@ -1,12 +1,15 @@
 //! The principled material and its textures.
 
+use std::sync::Arc;
+
+use raggio_images::{Bitmap, Texels};
 use raggio_models::{AlphaMode, Principled, Texture, TextureFilter, Wrap};
 
 use super::Files;
 use crate::fault::{Fault, steps};
 use crate::file::{AlphaModeFile, PrincipledFile, TextureFile, TextureFilterFile, TextureTable, WrapFile, WrapName};
 use crate::names;
-use crate::number::BRIGHTEST;
+use crate::number::{BRIGHTEST, Fraction};
 
 /// Principled material of the material called `name`; faults are noted.
 pub(super) fn principled(
@@ -135,8 +138,23 @@ fn emissive(name: &str, file: &PrincipledFile) -> Result<[f32; 3], Fault> {
 }
 
 fn texture(name: &str, key: &str, file: &TextureTable, files: &mut Files<'_>) -> Result<Texture, Fault> {
-    // Files that give only a path have no `image` below, and the path is what is found.
-    let path = steps!["materials", name, "principled", key, "image"];
+    let wrong = |what: &str| {
+        let message = format!("`{key}` in {} {what}", place(name));
+        Err(Fault::value(steps!["materials", name, "principled", key], message))
+    };
+    let image = match (&file.image, file.checker) {
+        // Files that give only a path have no `image` below, and the path is what is found.
+        (Some(image), None) => files.image(image, steps!["materials", name, "principled", key, "image"])?,
+        (None, Some(_)) if file.wrap.is_some() => {
+            return wrong("is a checkerboard, which has no edge: leave out `wrap`");
+        }
+        (None, Some(_)) if file.filter.is_some() => {
+            return wrong("is a checkerboard, which has no texels: leave out `filter`");
+        }
+        (None, Some(colors)) => return Ok(checker(colors, file)),
+        (Some(_), Some(_)) => return wrong("has both `image` and `checker`: choose one of them"),
+        (None, None) => return wrong("needs `image` or `checker`"),
+    };
     Ok(Texture {
         uv_set: file.uv_set.map_or(0, |set| set.0 as u8),
         transform: transform(file),
@@ -149,8 +167,22 @@ fn texture(name: &str, key: &str, file: &TextureTable, files: &mut Files<'_>) ->
             None | Some(TextureFilterFile::Linear) => TextureFilter::Linear,
             Some(TextureFilterFile::Nearest) => TextureFilter::Nearest,
         },
-        ..Texture::new(files.image(&file.image, path)?)
+        ..Texture::new(image)
     })
+}
+
+/// Checkerboard of two colours: an image of two by two texels.
+fn checker(colors: [[Fraction; 3]; 2], file: &TextureTable) -> Texture {
+    let [first, second] = colors.map(|color| color.map(|channel| f64::from(channel) as f32));
+    let texels = Texels::Rgb32F(vec![first, second, second, first]);
+    Texture {
+        uv_set: file.uv_set.map_or(0, |set| set.0 as u8),
+        // The image has two fields along each side.
+        transform: transform(file).map(|row| row.map(|number| 0.5 * number)),
+        wrap: [Wrap::Repeat; 2],
+        filter: TextureFilter::Nearest,
+        ..Texture::new(Arc::new(Bitmap { width: 2, height: 2, texels }))
+    }
 }
 
 fn wrap(name: WrapName) -> Wrap {

@@ -158,13 +158,16 @@ pub(crate) enum AlphaModeFile {
     Blend,
 }
 
-/// An image and how it lies on the surface.
+/// An image or a checkerboard, and how it lies on the surface.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("oneOf" = [{ "required": ["image"] }, { "required": ["checker"] }]))]
 #[schemars(rename = "TextureTable")]
 pub(crate) struct TextureTable {
-    /// Path of a PNG, JPEG, WebP, KTX2, HDR or EXR file, relative to the scene file.
-    pub image: String,
+    /// Path of a PNG, JPEG, WebP, BMP, TGA, TIFF, KTX2, HDR or EXR file, relative to the scene file.
+    pub image: Option<String>,
+    /// Two colours, linear, of a checkerboard whose fields have the side 1 in texture coordinates; in place of `image`.
+    pub checker: Option<[[Fraction; 3]; 2]>,
     /// Number of the mesh's set of texture coordinates, 0 or 1.
     #[schemars(extend("default" = 0))]
     pub uv_set: Option<Whole<0, 1>>,
@@ -236,7 +239,7 @@ struct TextureVisitor;
 
 impl TextureVisitor {
     fn refuse<T, E: Error>() -> Result<T, E> {
-        Err(E::custom("must be the path of an image, or a table with `image`"))
+        Err(E::custom("must be the path of an image, or a table with `image` or `checker`"))
     }
 }
 
@@ -245,11 +248,11 @@ impl<'de> Visitor<'de> for TextureVisitor {
     type Value = TextureTable;
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("the path of an image, or a table with `image`")
+        formatter.write_str("the path of an image, or a table with `image` or `checker`")
     }
 
     fn visit_str<E: Error>(self, path: &str) -> Result<TextureTable, E> {
-        Ok(TextureTable { image: path.to_string(), ..TextureTable::default() })
+        Ok(TextureTable { image: Some(path.to_string()), ..TextureTable::default() })
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<TextureTable, A::Error> {

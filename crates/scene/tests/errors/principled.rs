@@ -147,7 +147,7 @@ vertical_fov_degrees = 40
 [materials.a.principled]
 base_color_texture = { uv_set = 1 }
 ",
-        "scene.toml:7:22: `image` is missing in [materials.a.principled.base_color_texture]",
+        "scene.toml:7:22: `base_color_texture` in [materials.a.principled] needs `image` or `checker`",
     ),
     (
         "texture by number",
@@ -159,7 +159,7 @@ vertical_fov_degrees = 40
 [materials.a.principled]
 base_color_texture = 3
 ",
-        "scene.toml:7:22: `base_color_texture` in [materials.a.principled] must be the path of an image, or a table with `image`, not `3`",
+        "scene.toml:7:22: `base_color_texture` in [materials.a.principled] must be the path of an image, or a table with `image` or `checker`, not `3`",
     ),
     (
         "texture list",
@@ -171,7 +171,55 @@ vertical_fov_degrees = 40
 [materials.a.principled]
 base_color_texture = ["wood.png"]
 "#,
-        "scene.toml:7:22: `base_color_texture` in [materials.a.principled] must be the path of an image, or a table with `image`, not `[\"wood.png\"]`",
+        "scene.toml:7:22: `base_color_texture` in [materials.a.principled] must be the path of an image, or a table with `image` or `checker`, not `[\"wood.png\"]`",
+    ),
+    (
+        "no picture at all",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[materials.a.principled]
+base_color_texture = { uv_set = 1 }
+"#,
+        "scene.toml:7:22: `base_color_texture` in [materials.a.principled] needs `image` or `checker`",
+    ),
+    (
+        "two pictures",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[materials.a.principled]
+base_color_texture = { image = "a.png", checker = [[0, 0, 0], [1, 1, 1]] }
+"#,
+        "scene.toml:7:22: `base_color_texture` in [materials.a.principled] has both `image` and `checker`: choose one of them",
+    ),
+    (
+        "a checkerboard with edges",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[materials.a.principled]
+base_color_texture = { checker = [[0, 0, 0], [1, 1, 1]], wrap = "repeat" }
+"#,
+        "scene.toml:7:22: `base_color_texture` in [materials.a.principled] is a checkerboard, which has no edge: leave out `wrap`",
+    ),
+    (
+        "a checkerboard with texels",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[materials.a.principled]
+base_color_texture = { checker = [[0, 0, 0], [1, 1, 1]], filter = "nearest" }
+"#,
+        "scene.toml:7:22: `base_color_texture` in [materials.a.principled] is a checkerboard, which has no texels: leave out `filter`",
     ),
     (
         "third set of coordinates",
