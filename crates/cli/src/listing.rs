@@ -27,10 +27,10 @@ pub fn devices() -> Result<(), Failure> {
             device.kind,
             device.driver,
             memory(device.memory_bytes),
-        ));
+        ))?;
     }
     if let Some(trouble) = trouble {
-        print(format_args!("vulkan    none: {trouble}"));
+        print(format_args!("vulkan    none: {trouble}"))?;
     }
     Ok(())
 }
@@ -60,11 +60,9 @@ pub fn check(path: &Path, options: AssetOptions) -> Result<(), Failure> {
         scene.render.width,
         scene.render.height,
         counted(scene.render.samples as usize, "sample"),
-    ));
-    Ok(())
+    ))
 }
 
 pub fn schema() -> Result<(), Failure> {
-    print(raggio_scene::schema());
-    Ok(())
+    print(raggio_scene::schema())
 }
