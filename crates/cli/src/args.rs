@@ -178,7 +178,7 @@ pub struct MachineArguments {
     /// Device: auto, cpu, vulkan or vulkan:N (N as in `raggio devices`); auto is a GPU if there is one, else the CPU
     #[arg(long, value_name = "DEVICE", default_value_t = DeviceChoice::Auto)]
     pub device: DeviceChoice,
-    /// Threads of the cpu device, no more than cores or 64 [default: one for each core]
+    /// Threads of the cpu device; where there are fewer cores, 64 at most [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub threads: Option<u32>,
     /// Say nothing but errors

@@ -126,6 +126,17 @@ fn inputs_are_not_replaced() {
 }
 
 #[test]
+fn figures_of_a_script_replace_neither_it_nor_its_scene() {
+    let folder = folder_with(SCENE);
+    std::fs::write(folder.path().join("a.play"), "wait 1 frames\n").expect("a script");
+    for name in ["a.play", "scene.toml"] {
+        let view = ["view", "scene.toml", "--hidden", "--play", "a.play", "--stats", name];
+        let message = format!("cannot write {name}: it would replace what is read, {name}");
+        assert_refused(&raggio(folder.path(), &view), &message);
+    }
+}
+
+#[test]
 fn two_outputs_are_two_files() {
     let folder = folder_with(&endless());
     let refused = |arguments: &[&str], message: &str| {

@@ -23,7 +23,7 @@ use crate::translation::device_scene::DeviceScene;
 /// Options of the CPU. None of them changes the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CpuOptions {
-    /// Number of threads; 0 for as many as there are cores. More than 64 are only as many as there are cores.
+    /// Number of threads; 0 for as many as there are cores. Where there are fewer cores, 64 at most are started.
     pub threads: usize,
     /// Level of instruction set; `None` for the best this processor has.
     pub instruction_set: Option<InstructionSet>,
