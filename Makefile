@@ -1,7 +1,7 @@
 # Every target that builds first sees to it that the machine can: setup takes a moment when all is there.
 .DEFAULT_GOAL := help
 .NOTPARALLEL: # cargo uses all cores by itself, and two set-ups at once would collide
-.PHONY: help setup setup-tests demo install uninstall test test-long gallery bench lint clean
+.PHONY: help setup setup-tests demo install uninstall test test-long fuzz gallery bench lint deny clean
 
 env := . scripts/env.sh &&
 # Tests also run the CPU kernels with bounds checks; what checks builds the same, or it would be built twice.
@@ -41,6 +41,15 @@ test: setup-tests ## build and run all tests
 test-long: setup-tests ## the tests with all that is too slow for `make test`
 	$(test_env) RAGGIO_TEST_LONG=1 cargo test --release --workspace
 
+# The readers need no kernels, so nothing is set up. The limit on memory, in KiB, is for all formats of a program together.
+fuzz_seconds ?= 60
+fuzzed := --release --package raggio-scene --package raggio-models --package raggio-images
+
+fuzz: ## damage scenes, models and images, each format for fuzz_seconds (60), and read them
+	$(env) cargo test $(fuzzed) --no-run
+	$(env) ulimit -v 4194304 && RAGGIO_FUZZ_SECONDS=$(fuzz_seconds) \
+	cargo test $(fuzzed) -- --nocapture fuzz hostile::mutated
+
 gallery: setup ## render the pictures of the documentation
 	$(env) python scripts/gallery.py
 
@@ -53,7 +62,12 @@ lint: setup ## check formatting, warnings, the documentation's links and, with c
 	$(env) python scripts/check_links.py
 	$(test_env) cargo clippy --workspace --all-targets --release -- -D warnings
 	@$(env) if cargo deny --version >/dev/null 2>&1; then cargo deny check bans licenses sources; \
-	else echo "lint: cargo-deny is not installed: licences and sources of dependencies were NOT checked"; fi
+	else echo "lint: cargo-deny is not installed: licences and sources of dependencies were NOT checked (see make deny)"; fi
+
+deny: ## check dependencies: licences, sources, known vulnerabilities (needs cargo-deny and the network)
+	@$(env) cargo deny --version >/dev/null 2>&1 || \
+	{ echo "deny: cargo-deny is not installed: cargo install --locked cargo-deny"; exit 1; }
+	$(env) cargo deny check
 
 clean: ## remove what was built; .venv stays
 	$(env) cargo clean

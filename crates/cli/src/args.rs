@@ -3,12 +3,19 @@ use std::str::FromStr;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, UnknownArgumentValueParser};
 use clap::{Args, Parser, Subcommand};
-use raggio_render::{Aov, Choice, CpuOptions, DeviceChoice, OpenOptions, PictureFormat, ToneMapper, endings};
+use raggio_render::{Aov, Choice, CpuOptions, DeviceChoice, OpenOptions, PictureFormat, PngBits, ToneMapper, endings};
 use raggio_scene::{AssetOptions, Filter, Integrator, ModelFormat, Sampler};
+
+const EXIT_STATUSES: &str = "\
+Exit status:
+  0    done
+  2    the arguments, the scene or a file to write are wrong
+  3    the device has failed, or raggio has a fault of its own
+  130  interrupted (Ctrl-C); the picture of what there was by then is written";
 
 /// A progressive path tracer on Vulkan and the CPU.
 #[derive(Parser)]
-#[command(name = "raggio", version, propagate_version = true)]
+#[command(name = "raggio", version, propagate_version = true, after_help = EXIT_STATUSES)]
 pub struct Arguments {
     #[command(subcommand)]
     pub command: Command,
@@ -17,6 +24,7 @@ pub struct Arguments {
 #[derive(Subcommand)]
 pub enum Command {
     /// Render a scene to image files
+    #[command(after_help = EXIT_STATUSES)]
     Render(RenderArguments),
     #[cfg(feature = "window")]
     /// Open a scene in a window and fly through it while the picture converges
@@ -86,6 +94,9 @@ pub struct RenderArguments {
     /// Curve that squeezes radiance into what a display can show, for PNGs
     #[arg(long, value_name = "NAME", value_parser = one_of::<ToneMapper>(), default_value_t = ToneMapper::Neutral)]
     pub tone_mapper: ToneMapper,
+    /// Bits of each channel of PNGs
+    #[arg(long, value_name = "BITS", value_parser = one_of::<PngBits>(), default_value_t = PngBits::Eight)]
+    pub png_bits: PngBits,
 }
 
 /// End of sampling before all samples are there. Without --samples, the scene's number does not count then.
@@ -172,7 +183,7 @@ pub struct MachineArguments {
     /// Device: auto, cpu, vulkan or vulkan:N (N as in `raggio devices`); auto is a GPU if there is one, else the CPU
     #[arg(long, value_name = "DEVICE", default_value_t = DeviceChoice::Auto)]
     pub device: DeviceChoice,
-    /// Threads of the cpu device [default: one for each core]
+    /// Threads of the cpu device; where there are fewer cores, 64 at most [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub threads: Option<u32>,
     /// Say nothing but errors

@@ -45,11 +45,7 @@ impl From<SceneError> for Failure {
 
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
-        match error {
-            OutputError::Unwritable { path, source } => cannot_write(&path, &source),
-            // Terminals read it, so that control characters of a name are escaped.
-            error => Self::Input(display_name(error.to_string().as_ref())),
-        }
+        Self::Input(error.to_string())
     }
 }
 
@@ -70,7 +66,8 @@ impl From<TooLarge> for Failure {
 
 impl From<DenoiseError> for Failure {
     fn from(error: DenoiseError) -> Self {
-        Self::Input(error.to_string())
+        // It may name a folder of the user's.
+        Self::Input(display_name(error.to_string().as_ref()))
     }
 }
 
@@ -89,11 +86,5 @@ impl From<ViewError> for Failure {
 
 /// Failure to write a file that was asked for.
 pub fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::Input(format!("cannot write {}: {}", display_name(path), of_system(error)))
-}
-
-/// The system's own words. `tempfile` puts the name of a temporary file behind them, which nobody has asked for.
-fn of_system(error: &std::io::Error) -> String {
-    let words = error.to_string();
-    words.split_once(" at path \"").map_or(words.as_str(), |(words, _)| words).to_string()
+    Failure::Input(format!("cannot write {}: {error}", display_name(path)))
 }

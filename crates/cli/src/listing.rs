@@ -27,10 +27,10 @@ pub fn devices() -> Result<(), Failure> {
             device.kind,
             device.driver,
             memory(device.memory_bytes),
-        ));
+        ))?;
     }
     if let Some(trouble) = trouble {
-        print(format_args!("vulkan    none: {trouble}"));
+        print(format_args!("vulkan    none: {trouble}"))?;
     }
     Ok(())
 }
@@ -61,16 +61,15 @@ pub fn check(path: &Path, options: AssetOptions) -> Result<(), Failure> {
         scene.render.width,
         scene.render.height,
         counted(scene.render.samples as usize, "sample"),
-    ));
+    ))?;
     if is_model(path) {
         for camera in raggio_scene::cameras(path, &mut assets) {
-            print(format_args!("camera {camera}"));
+            print(format_args!("camera {camera}"))?;
         }
     }
     Ok(())
 }
 
 pub fn schema() -> Result<(), Failure> {
-    print(raggio_scene::schema());
-    Ok(())
+    print(raggio_scene::schema())
 }

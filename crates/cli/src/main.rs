@@ -2,6 +2,7 @@
 
 mod args;
 mod error;
+mod files;
 mod listing;
 mod manual;
 mod output;
@@ -11,11 +12,14 @@ mod stats;
 #[cfg(feature = "window")]
 mod view;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::Parser;
+use raggio_scene::display_name;
 
 use args::{Arguments, Command};
+use error::Failure;
 
 fn main() -> ExitCode {
     // A fault that no user can mend is still one sentence, not a backtrace, and a status of the documented ones.
@@ -27,27 +31,58 @@ fn main() -> ExitCode {
         output::say(format_args!("error: raggio has a fault of its own, please report it: {info}"));
         std::process::exit(3);
     }));
-    let outcome = match Arguments::parse().command {
-        Command::Render(arguments) => render::render(&arguments),
-        Command::Demo(arguments) => render::demo(&arguments),
-        #[cfg(feature = "window")]
-        Command::View(arguments) => view::view(&arguments),
-        #[cfg(not(feature = "window"))]
-        Command::View { .. } => Err(error::Failure::Input(
-            "this raggio was built without its window: `make install` builds one with it".into(),
-        )),
-        Command::Devices => listing::devices(),
-        Command::Check { scene, assets } => listing::check(&scene, assets.options(None)),
-        Command::Schema => listing::schema(),
-        Command::Completions { shell } => manual::completions(shell),
-        Command::Manual { folder } => manual::pages(&folder),
-    };
-    match outcome {
+    #[cfg(unix)]
+    survive_limits();
+    match run() {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error @ error::Failure::Interrupted) => error.exit_code(),
+        Err(error @ Failure::Interrupted) => error.exit_code(),
         Err(error) => {
             output::say(format_args!("error: {error}"));
             error.exit_code()
         }
     }
+}
+
+fn run() -> Result<(), Failure> {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(answer) if answer.use_stderr() => refuse(&answer),
+        // Help, or the version.
+        Err(answer) => return output::printed(answer.print()),
+    };
+    match arguments.command {
+        Command::Render(arguments) => render::render(&arguments),
+        Command::Demo(arguments) => render::demo(&arguments),
+        #[cfg(feature = "window")]
+        Command::View(arguments) => view::view(&arguments),
+        #[cfg(not(feature = "window"))]
+        Command::View { .. } => {
+            Err(Failure::Input("this raggio was built without its window: `make install` builds one with it".into()))
+        }
+        Command::Devices => listing::devices(),
+        Command::Check { scene, assets } => listing::check(&scene, assets.options(None)),
+        Command::Schema => listing::schema(),
+        Command::Completions { shell } => manual::completions(shell),
+        Command::Manual { folder } => manual::pages(&folder),
+    }
+}
+
+/// Ends the program, for its arguments are wrong.
+fn refuse(answer: &clap::Error) -> ! {
+    let is_plain = |argument: OsString| !argument.to_string_lossy().chars().any(char::is_control);
+    if std::env::args_os().all(is_plain) {
+        answer.exit();
+    }
+    // The message quotes them, and terminals would do as control characters say.
+    let message = answer.render().to_string();
+    message.lines().for_each(|line| output::say(display_name(line.as_ref())));
+    std::process::exit(answer.exit_code())
+}
+
+/// Makes a file that grows beyond the limit of its size (`ulimit -f`) an error like that of a full disk: the signal would
+/// end the program and leave half a file.
+#[cfg(unix)]
+fn survive_limits() {
+    use std::sync::{Arc, atomic::AtomicBool};
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)));
 }

@@ -13,8 +13,7 @@ use crate::output;
 pub fn completions(shell: Shell) -> Result<(), Failure> {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Arguments::command(), "raggio", &mut script);
-    output::print(String::from_utf8_lossy(&script));
-    Ok(())
+    output::print(String::from_utf8_lossy(&script))
 }
 
 /// Writes the manual pages into `folder`.

@@ -76,15 +76,8 @@ impl Reporter {
         if film.clamped_share() > 0.0 {
             self.say(&format!("clamping took {:.2} % of the light off", 100.0 * film.clamped_share()));
         }
-        let (fewest, most) = film.sample_range();
-        if most > fewest + 1 {
-            let mean = film.samples() as f64 / film.pixels().len() as f64;
-            self.say(&format!("{fewest} to {most} samples per pixel, {mean:.1} on average"));
-        } else if progress.samples < target {
-            let is_limited = target < UNLIMITED_SAMPLES;
-            let early = if is_limited { format!("stopped early: {fewest} of ") } else { String::new() };
-            let number = if is_limited { target } else { fewest };
-            self.say(&format!("{early}{} per pixel", counted(number as usize, "sample")));
+        if let Some(line) = describe_samples(film, progress.samples < target, target) {
+            self.say(&line);
         }
         let seconds = progress.seconds.max(1e-9);
         self.say(&format!(
@@ -96,6 +89,27 @@ impl Reporter {
             millions(film.rays() as f64 / seconds),
         ));
     }
+}
+
+/// Numbers of samples of a render that is over, where they are not those that were asked for.
+fn describe_samples(film: &Film, stopped: bool, target: u32) -> Option<String> {
+    let (fewest, most) = film.sample_range();
+    let is_uneven = most > fewest + 1;
+    if !stopped && !is_uneven {
+        return None;
+    }
+    let range = if is_uneven { format!("{fewest} to ") } else { String::new() };
+    let most = if is_uneven { most } else { fewest };
+    let mut text = if stopped && target < UNLIMITED_SAMPLES {
+        format!("stopped early: {range}{most} of {} per pixel", counted(target as usize, "sample"))
+    } else {
+        format!("{range}{} per pixel", counted(most as usize, "sample"))
+    };
+    if is_uneven {
+        let mean = film.samples() as f64 / film.pixels().len() as f64;
+        text += &format!(", {mean:.1} on average");
+    }
+    Some(text)
 }
 
 fn describe(progress: &Progress, end: End) -> String {

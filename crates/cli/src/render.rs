@@ -1,20 +1,21 @@
 //! The commands `raggio render` and `raggio demo`: arguments in, a render of the library, words out.
 
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use raggio_render::{
-    Aov, Choice, Denoiser, DeviceError, Display, ImageFile, Observer, Picture, Progress, RenderRequest, Rendering,
-    Stop, UNLIMITED_SAMPLES,
+    Aov, Choice, DeviceError, Display, ImageFile, Observer, Picture, PngBits, Progress, RenderRequest, Rendering, Stop,
+    UNLIMITED_SAMPLES,
 };
 use raggio_scene::{Assets, Integrator, Scene, counted, display_name};
 
 use crate::args::{DemoArguments, MachineArguments, Overrides, RenderArguments};
-use crate::error::{Failure, cannot_write};
+use crate::error::Failure;
+use crate::files::{Files, Wanted};
 use crate::output::say;
 use crate::progress::{End, Reporter};
 use crate::stats::Stats;
@@ -43,7 +44,16 @@ pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
         ..RenderRequest::default()
     };
     let display = Display { exposure: arguments.exposure, tone_mapper: arguments.tone_mapper, ..Display::default() };
-    let files = Files::new(&outputs, display, arguments.stats.as_deref(), &request)?;
+    let wanted = Wanted {
+        pictures: &outputs,
+        png_bits: arguments.png_bits,
+        display,
+        has_layers: !request.layers.is_empty(),
+        denoise: request.denoise,
+        stats: arguments.stats.as_deref(),
+    };
+    let inputs: Vec<_> = std::iter::once(arguments.scene.as_path()).chain(assets.files()).map(PathBuf::from).collect();
+    let files = Files::new(&wanted, &inputs)?;
     run(start, scene, request, &files, &arguments.machine, &arguments.overrides)
 }
 
@@ -53,40 +63,16 @@ pub fn demo(arguments: &DemoArguments) -> Result<(), Failure> {
     let mut scene = Scene::parse(SHOWCASE, "showcase.toml")?;
     scene.render.integrator = Integrator::Path;
     let request = RenderRequest { name: "showcase".into(), ..RenderRequest::default() };
-    let files = Files::new(std::slice::from_ref(&arguments.output), Display::default(), None, &request)?;
+    let wanted = Wanted {
+        pictures: std::slice::from_ref(&arguments.output),
+        png_bits: PngBits::Eight,
+        display: Display::default(),
+        has_layers: false,
+        denoise: false,
+        stats: None,
+    };
+    let files = Files::new(&wanted, &[])?;
     run(start, scene, request, &files, &arguments.machine, &arguments.overrides)
-}
-
-/// Files to write. What can fail early fails before any time is spent.
-struct Files<'a> {
-    pictures: Vec<ImageFile>,
-    /// Denoiser, and a file beside each of `pictures`.
-    denoised: Option<(Denoiser, Vec<ImageFile>)>,
-    display: Display,
-    stats: Option<&'a Path>,
-}
-
-impl<'a> Files<'a> {
-    fn new(
-        outputs: &[PathBuf],
-        display: Display,
-        stats: Option<&'a Path>,
-        request: &RenderRequest,
-    ) -> Result<Self, Failure> {
-        let pictures = outputs.iter().map(|path| ImageFile::new(path)).collect::<Result<Vec<_>, _>>()?;
-        if !request.layers.is_empty() && !pictures.iter().any(ImageFile::has_layers) {
-            return Err(Failure::Input("--aov writes layers, which only .exr has: name one with -o".into()));
-        }
-        let denoised = if request.denoise {
-            Some((Denoiser::open()?, pictures.iter().map(ImageFile::denoised).collect::<Result<_, _>>()?))
-        } else {
-            None
-        };
-        if let Some(path) = stats {
-            raggio_render::check_writable(path).map_err(|e| cannot_write(path, &e))?;
-        }
-        Ok(Self { pictures, denoised, display, stats })
-    }
 }
 
 fn run(
@@ -132,9 +118,9 @@ fn run(
         let denoised = picture.denoised(denoiser).map_err(Failure::from);
         outcome = outcome.and(denoised.and_then(|picture| write(&picture, beside, files.display, &reporter)));
     }
-    if let Some(path) = files.stats {
+    if let Some(file) = &files.stats {
         let stats = Stats { device: &device.name(), rendered: &rendered, settings: &scene.render, setup_seconds };
-        outcome = outcome.and(stats.write(path));
+        outcome = outcome.and(stats.write(file));
     }
     failure.map_or(outcome, |error| Err(error.into()))?;
     if interrupted.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }

@@ -1,6 +1,4 @@
-use std::path::Path;
-
-use raggio_render::Rendered;
+use raggio_render::{OutputFile, Rendered};
 use raggio_scene::RenderSettings;
 use serde_json::json;
 
@@ -15,7 +13,7 @@ pub struct Stats<'a> {
 }
 
 impl Stats<'_> {
-    pub fn write(&self, path: &Path) -> Result<(), Failure> {
+    pub fn write(&self, file: &OutputFile) -> Result<(), Failure> {
         let (film, progress) = (&self.rendered.picture.film, &self.rendered.progress);
         let seconds = progress.seconds.max(1e-9);
         let rays = film.rays();
@@ -36,6 +34,6 @@ impl Stats<'_> {
             "most_samples_per_pixel": film.sample_range().1,
             "clamped_share": film.clamped_share(),
         });
-        raggio_render::write_whole(path, format!("{stats:#}\n").as_bytes()).map_err(|e| cannot_write(path, &e))
+        file.write(format!("{stats:#}\n").as_bytes()).map_err(|e| cannot_write(file.path(), &e))
     }
 }

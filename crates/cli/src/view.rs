@@ -1,16 +1,18 @@
 //! The command `raggio view`: arguments in, a window of the viewer, figures out.
 
+use std::path::PathBuf;
+
 use raggio_viewer::{Options, Report, view as open};
 use serde_json::json;
 
 use crate::args::ViewArguments;
 use crate::error::{Failure, cannot_write};
+use crate::files::{check_apart, output_file};
 
 /// Opens the window.
 pub fn view(arguments: &ViewArguments) -> Result<(), Failure> {
-    if let Some(path) = &arguments.stats {
-        raggio_render::check_writable(path).map_err(|e| cannot_write(path, &e))?;
-    }
+    let file = arguments.stats.as_deref().map(output_file).transpose()?;
+    check_apart(file.as_slice(), &inputs(arguments))?;
     let options = Options {
         scene: arguments.scene.clone(),
         assets: arguments.assets.options(None),
@@ -23,15 +25,19 @@ pub fn view(arguments: &ViewArguments) -> Result<(), Failure> {
         hidden: arguments.hidden,
     };
     let report = open(&options)?;
-    if let Some(path) = &arguments.stats {
+    if let Some(file) = file {
         let text = format!("{:#}\n", stats(&report));
-        raggio_render::write_whole(path, text.as_bytes()).map_err(|e| cannot_write(path, &e))?;
+        file.write(text.as_bytes()).map_err(|e| cannot_write(file.path(), &e))?;
     }
     // A script's user is not there to read them on the screen.
     if arguments.play.is_some() && !report.failures.is_empty() {
         return Err(Failure::Input(report.failures.join("\nerror: ")));
     }
     Ok(())
+}
+
+fn inputs(arguments: &ViewArguments) -> Vec<PathBuf> {
+    std::iter::once(&arguments.scene).chain(&arguments.play).cloned().collect()
 }
 
 fn stats(report: &Report) -> serde_json::Value {

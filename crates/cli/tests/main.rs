@@ -2,6 +2,7 @@
 
 mod common;
 mod film;
+mod outputs;
 mod refusals;
 mod render;
 mod view;

@@ -53,6 +53,13 @@ fn names_are_escaped() {
     assert_refused(&refused, "error: cannot write nowhere\\u{1b}/a.png: ");
     assert!(!text(&refused.stderr).contains(".raggio-"), "{}", text(&refused.stderr));
     assert_refused(&picture("a.\u{1b}"), "error: a.\\u{1b}: the ending must be ");
+    // Arguments that are none are quoted too.
+    for arguments in [&["render", "scene.toml", "--size", "\u{7}12"][..], &["\u{1b}[2J"], &["render", "--\u{8}"]] {
+        let refused = raggio(folder.path(), arguments);
+        assert_eq!(refused.status.code(), Some(2));
+        let said = text(&refused.stderr);
+        assert!(said.starts_with("error: ") && !said.chars().any(|c| c.is_control() && c != '\n'), "{said:?}");
+    }
 }
 
 #[test]

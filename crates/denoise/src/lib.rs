@@ -2,6 +2,7 @@
 
 mod library;
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use library::{Device, Library};
@@ -57,17 +58,21 @@ pub struct Denoiser {
 }
 
 impl Denoiser {
-    /// Looks for the library in `$OIDN_DIR` if that is set, else beside the program, in the project's `.venv`, and
-    /// where the system keeps its own; an error if it is in none of them.
+    /// Looks for the library at its [paths](library_paths); an error if it is at none of them.
     pub fn open() -> Result<Self, DenoiseError> {
-        let mut reasons = vec![];
-        for path in candidates() {
+        let (chosen, program) = (std::env::var_os("OIDN_DIR"), std::env::current_exe().ok());
+        let mut reason = String::new();
+        for path in library_paths(chosen.as_deref(), program.as_deref())? {
+            if path.is_absolute() && !path.exists() {
+                reason = format!("there is no {}", path.display());
+                continue;
+            }
             match Library::open(&path) {
                 Ok(library) => return Ok(Self { device: Device::new(library)? }),
-                Err(reason) => reasons.push(reason),
+                Err(words) => reason = words,
             }
         }
-        Err(DenoiseError::NotFound(reasons.pop().unwrap_or_default()))
+        Err(DenoiseError::NotFound(reason))
     }
 
     /// Name and version of the library: `Open Image Denoise 2.5.1`.
@@ -121,16 +126,25 @@ const NAME: &str = if cfg!(windows) {
     "libOpenImageDenoise.so.2"
 };
 
-/// Paths at which the library may be, the likeliest first.
-fn candidates() -> Vec<PathBuf> {
-    let within = |root: PathBuf| ["lib", "bin", ""].map(|folder| root.join(folder).join(NAME));
-    if let Some(chosen) = std::env::var_os("OIDN_DIR") {
-        return within(chosen.into()).into();
+/// Paths at which the library is looked for, the likeliest first: in the folder `chosen`, where `OIDN_DIR` names one; else
+/// in `../lib` of the folder of `program`, in the project's `.venv`, and where the system keeps its own. All but the last,
+/// which is a name alone, are absolute: what the current folder happens to hold is not loaded.
+///
+/// # Errors
+/// A [`DenoiseError::NotFound`] when `chosen` is a path from the current folder.
+pub fn library_paths(chosen: Option<&OsStr>, program: Option<&Path>) -> Result<Vec<PathBuf>, DenoiseError> {
+    let within = |root: &Path| ["lib", "bin", ""].map(|folder| root.join(folder).join(NAME));
+    if let Some(chosen) = chosen.filter(|chosen| !chosen.is_empty()).map(Path::new) {
+        return if chosen.is_absolute() {
+            Ok(within(chosen).into())
+        } else {
+            Err(DenoiseError::NotFound("OIDN_DIR is not a path from the root".into()))
+        };
     }
-    let program = std::env::current_exe().ok();
-    let beside = program.as_deref().and_then(Path::parent).and_then(Path::parent).map(PathBuf::from);
+    let installation = program.filter(|program| program.is_absolute()).and_then(Path::parent).and_then(Path::parent);
+    let beside = installation.map(|folder| folder.join("lib").join(NAME));
     let pythons = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../.venv/lib"));
     let wheels = pythons.into_iter().flatten().flatten().map(|it| it.path().join("site-packages/pyoidn/oidn"));
-    let installed = beside.into_iter().chain(wheels).flat_map(within).filter(|path| path.exists());
-    installed.chain([PathBuf::from(NAME)]).collect()
+    let installed = beside.into_iter().chain(wheels.flat_map(|wheel| within(&wheel)));
+    Ok(installed.chain([PathBuf::from(NAME)]).collect())
 }

@@ -1,6 +1,8 @@
-//! Error that denoising leaves in noisy pictures; where the library is installed.
+//! Error that denoising leaves in noisy pictures, where the library is installed; and where it is looked for.
 
-use raggio_denoise::{DenoiseError, Denoiser, Noisy};
+use std::path::Path;
+
+use raggio_denoise::{DenoiseError, Denoiser, Noisy, library_paths};
 
 const SIDE: usize = 128;
 
@@ -64,4 +66,43 @@ fn lists_of_other_lengths_are_refused() {
     let guides = denoiser.guides([SIDE, 1], &noisy[..SIDE], &noisy[..SIDE]).expect("a row");
     let picture = Noisy { width: SIDE, height: SIDE, color: &noisy, guides: Some(&guides) };
     assert!(matches!(denoiser.denoise(picture), Err(DenoiseError::Size { found: SIDE, .. })));
+}
+
+/// Names of the library's file on all systems.
+fn is_library(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.to_string_lossy().contains("OpenImageDenoise"))
+}
+
+#[test]
+fn the_library_is_looked_for_where_it_belongs() {
+    let root = std::env::temp_dir();
+    let program = root.join("install/bin/raggio");
+    let paths = library_paths(None, Some(&program)).expect("paths");
+    assert!(paths.iter().all(|path| is_library(path)), "{paths:?}");
+    // Of what is around the program, its own folder of libraries and nothing else.
+    let around: Vec<_> = paths.iter().filter(|path| path.starts_with(&root)).collect();
+    assert_eq!(around.len(), 1, "{around:?}");
+    assert_eq!(paths[0].parent(), Some(&*root.join("install/lib")));
+    let (last, others) = paths.split_last().expect("paths");
+    assert_eq!(last.components().count(), 1, "the system looks for a name: {last:?}");
+    assert!(others.iter().all(|path| path.is_absolute()), "{others:?}");
+    // A program that does not know where it is, or is nowhere in particular, has no such folder.
+    let elsewhere = &paths[1..];
+    assert_eq!(library_paths(None, None).expect("paths"), elsewhere);
+    assert_eq!(library_paths(None, Some(Path::new("bin/raggio"))).expect("paths"), elsewhere);
+    assert_eq!(library_paths(Some("".as_ref()), Some(&program)).expect("paths"), paths, "empty is unset");
+}
+
+#[test]
+fn a_chosen_folder_is_the_only_one() {
+    let chosen = std::env::temp_dir().join("oidn");
+    let paths = library_paths(Some(chosen.as_os_str()), Some(Path::new("/usr/bin/raggio"))).expect("paths");
+    assert!(paths.iter().all(|path| is_library(path)), "{paths:?}");
+    let folders: Vec<_> = paths.iter().map(|path| path.parent().expect("a folder")).collect();
+    assert_eq!(folders, [&*chosen.join("lib"), &*chosen.join("bin"), &*chosen]);
+    for relative in [".", "oidn", "../oidn"] {
+        let error =
+            library_paths(Some(relative.as_ref()), None).expect_err("a path from the current folder").to_string();
+        assert!(error.ends_with("(OIDN_DIR is not a path from the root)"), "{error}");
+    }
 }

@@ -6,7 +6,7 @@
 mod x86;
 
 use crate::{
-    BLOCK, BrokenScene, Comparison, EntryPoint, FILM_WORD, FilmPixel, INPUT_WORD, OUTPUT_WORD, PixelFilter,
+    BLOCK, BrokenScene, Comparison, EntryPoint, FILM_WORD, FilmPixel, INPUT_WORD, OUTPUT_WORD, PixelFilter, Probe,
     RESTING_WORD, SCENE_WORD, SCENE_WORDS, SceneBuffers, WORK_WORD, Work,
 };
 
@@ -98,14 +98,18 @@ impl CpuScene {
     /// Parameter block of the kernels: the address and length of each buffer, where the reflection puts them.
     fn block(&self) -> Vec<u64> {
         let bytes = self.buffers.bytes();
-        let words = SCENE_WORDS.iter().max().map_or(0, |last| last + 2);
-        let mut block = vec![0; words];
+        let mut block = empty_block();
         for (buffer, word) in bytes.iter().zip(SCENE_WORDS) {
             block[word] = buffer.bytes.as_ptr() as u64;
             block[word + 1] = buffer.count as u64;
         }
         block
     }
+}
+
+/// Parameter block of a scene without any buffers.
+fn empty_block() -> Vec<u64> {
+    vec![0; SCENE_WORDS.iter().max().map_or(0, |last| last + 2)]
 }
 
 /// Memory that a kernel reads and writes besides the scene; leave empty what it does not touch.
@@ -127,7 +131,7 @@ fn resting_words(work: &Work) -> usize {
     blocks.div_ceil(32)
 }
 
-/// Runs one kernel over `work` on the calling thread. The display kernel needs no scene.
+/// Runs one kernel over `work` on the calling thread. The display kernel and [`Probe::ToneMap`] need no scene.
 ///
 /// # Panics
 /// If the buffers are smaller than the work, or `set` is not one of [`InstructionSet::available`].
@@ -151,11 +155,13 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
     };
     assert!(large_enough, "the buffers are smaller than the work");
 
-    assert!(scene.is_some() || entry == EntryPoint::Display, "only the display kernel does without a scene");
+    let maps_tones = entry == EntryPoint::Probe && work.probe == Probe::ToneMap as u32;
+    let does_without = maps_tones || entry == EntryPoint::Display;
+    assert!(scene.is_some() || does_without, "only the display kernel and the tone mapper's probe do without a scene");
     let drawn =
         |scene: &CpuScene| work.filter != PixelFilter::Tabulated as u32 || !scene.buffers.filter_table.is_empty();
     assert!(scene.is_none_or(drawn), "the scene has no table of the work's filter");
-    let block = scene.map(CpuScene::block).unwrap_or_default();
+    let block = scene.map_or_else(empty_block, CpuScene::block);
     let mut globals = [0u64; 16];
     globals[SCENE_WORD] = block.as_ptr() as u64;
     globals[WORK_WORD] = std::ptr::from_ref(work) as u64;

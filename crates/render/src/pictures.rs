@@ -8,4 +8,6 @@ pub mod image_file;
 pub mod image_input;
 pub mod linear_image;
 pub mod metadata;
+pub mod output_file;
 pub mod picture;
+pub mod png_file;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
-use raggio_render::{Display, Extras, Film, FilmPixel, Image, ImageFile, Metadata, ToneMapper};
+use raggio_render::{Display, Extras, Film, FilmPixel, Image, ImageFile, Metadata, PngBits, ToneMapper};
 use raggio_scene::Scene;
 
 /// A film of 3x2 pixels whose means are exact in 8 bits: 0 or 1 in each channel.
@@ -38,6 +38,49 @@ fn what_is_written_is_read() {
     for name in ["picture.exr", "picture.png", "PICTURE.PNG"] {
         assert_eq!(Image::load(&write(folder.path(), name)).expect("a picture"), film().mean(), "{name}");
     }
+}
+
+/// PNGs of 16 bits are read as finely as they are written.
+#[test]
+fn sixteen_bits_are_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("fine.png");
+    let pixels: Vec<_> = (0..257).map(|i| [i as f32 / 256.0, i as f32 / 65536.0, 2.0]).collect();
+    let image = Image { width: 257, height: 1, pixels };
+    let file = ImageFile::new(&path).expect("a format").with_png_bits(PngBits::Sixteen);
+    let display = Display { tone_mapper: ToneMapper::None, ..Display::default() };
+    file.write(&Film::from_image(&image), display).expect("the picture is written");
+    let found = Image::load(&path).expect("a picture");
+    for (found, written) in found.pixels.iter().zip(&image.pixels) {
+        for (found, written) in found.iter().zip(written) {
+            let expected = written.min(1.0);
+            // Half a step of 65535 becomes at most 1.2 of them where the curve is steepest.
+            assert!((found - expected).abs() < 1.3 / 65535.0, "{written} became {found}");
+        }
+    }
+}
+
+/// Messages go to terminals, and nobody has asked for a temporary file.
+#[test]
+fn errors_name_files_safely() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, message) in [
+        ("a\u{1b}[2J", "a\\u{1b}[2J: the ending must be .png"),
+        ("none\u{7}/a.png", "none\\u{7}/a.png: No such file or directory"),
+    ] {
+        let error = ImageFile::new(&folder.path().join(name)).expect_err("no such place").to_string();
+        assert!(error.contains(message) && !error.contains(".raggio-"), "{error:?}");
+        assert!(!error.chars().any(char::is_control), "{error:?}");
+    }
+    let error = Image::load(&folder.path().join("a\u{7}.png")).expect_err("no such file").to_string();
+    assert!(error.contains("a\\u{7}.png: ") && !error.chars().any(char::is_control), "{error:?}");
+    // The folder goes while the picture is made, and something else stands in its place.
+    let file = ImageFile::new(&folder.path().join("a.png")).expect("a place");
+    folder.close().expect("the folder goes");
+    std::fs::write(file.path().parent().expect("a folder"), "no folder").expect("a file");
+    let error = file.write(&film(), Display::default()).expect_err("no folder").to_string();
+    assert!(error.starts_with("cannot write ") && !error.contains(".raggio-"), "{error}");
+    std::fs::remove_file(file.path().parent().expect("a folder")).expect("the file goes");
 }
 
 /// OpenEXR's texts are UTF-8, and readers refuse a file with others.

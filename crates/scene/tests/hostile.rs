@@ -1,10 +1,13 @@
 //! Any text at all leads to an error or a sound scene, never to a panic, never to a wait.
+//!
+//! `RAGGIO_FUZZ_SECONDS` says how long the example is changed; the default is two seconds.
 
 use std::time::{Duration, Instant};
 
 use crate::common::{EXAMPLE, check_invariants, reference_scene};
 use proptest::prelude::*;
 use proptest::sample::select;
+use proptest::test_runner::TestRunner;
 use raggio_scene::Scene;
 
 /// Time that is far more than any of these texts needs, even in a debug build on a busy machine.
@@ -268,6 +271,27 @@ proptest! {
         });
         read(&text);
     }
+}
+
+/// Changes the example and a reference scene for as many seconds as `RAGGIO_FUZZ_SECONDS` says, or two.
+#[test]
+fn fuzz_scenes() {
+    let seconds = std::env::var("RAGGIO_FUZZ_SECONDS").ok().and_then(|seconds| seconds.parse().ok()).unwrap_or(2.0);
+    let end = Instant::now() + Duration::from_secs_f64(seconds);
+    let reference = std::fs::read_to_string(reference_scene("cornell")).unwrap();
+    let texts = [EXAMPLE, &reference];
+    let strategy = (0..texts.len(), prop::collection::vec(change(), 1..12));
+    let mut scenes = 0;
+    while Instant::now() < end {
+        let config = ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(100) };
+        let outcome = TestRunner::new(config).run(&strategy, |(text, changes)| {
+            read(&changes.iter().fold(texts[text].to_string(), |text, change| apply(&text, change)));
+            Ok(())
+        });
+        outcome.unwrap();
+        scenes += 100;
+    }
+    println!("{scenes} scenes read");
 }
 
 #[test]

@@ -62,3 +62,13 @@ pub fn read_exr(path: &Path) -> (usize, usize, Vec<[f32; 3]>) {
     );
     image.unwrap_or_else(|error| panic!("{}: {error}", path.display())).layer_data.channel_data.pixels
 }
+
+/// Names of all that is in a folder, in order.
+pub fn files_in(folder: &Path) -> Vec<String> {
+    let mut names: Vec<_> = std::fs::read_dir(folder)
+        .expect("the folder is there")
+        .map(|entry| entry.expect("an entry").file_name().into_string().expect("a name"))
+        .collect();
+    names.sort();
+    names
+}

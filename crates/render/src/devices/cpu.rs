@@ -9,7 +9,7 @@ use raggio_kernels::{EntryPoint, Feature, FilmPixel, Probe, Work};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
-use raggio_scene::Integrator;
+use raggio_scene::{Integrator, counted};
 
 use crate::devices::adaptive::Blocks;
 use crate::devices::device::{Answer, Device, DeviceError, DeviceInfo, Question, Session, sampling};
@@ -23,7 +23,7 @@ use crate::translation::device_scene::DeviceScene;
 /// Options of the CPU. None of them changes the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CpuOptions {
-    /// Number of threads; 0 for as many as there are cores.
+    /// Number of threads; 0 for as many as there are cores. Where there are fewer cores, 64 at most are started.
     pub threads: usize,
     /// Level of instruction set; `None` for the best this processor has.
     pub instruction_set: Option<InstructionSet>,
@@ -36,6 +36,9 @@ impl Default for CpuOptions {
         Self { threads: 0, instruction_set: None, tile_rows: 4 }
     }
 }
+
+/// Most threads on machines with fewer cores: what a thread too many takes is memory, and time to start it.
+const MOST_THREADS: usize = 64;
 
 /// The CPU as a device.
 pub struct CpuDevice {
@@ -67,10 +70,11 @@ impl CpuDevice {
         if !InstructionSet::available().contains(&set) {
             return Err(DeviceError::Host(format!("this processor cannot run {} code", set.name())));
         }
+        let threads = if options.threads == 0 { cores() } else { options.threads.min(cores().max(MOST_THREADS)) };
         let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(options.threads)
+            .num_threads(threads)
             .build()
-            .map_err(|e| DeviceError::Host(format!("cannot start {} threads: {e}", options.threads)))?;
+            .map_err(|e| DeviceError::Host(format!("cannot start {}: {e}", counted(threads, "thread"))))?;
         Ok(Self { workers: Arc::new(Workers { pool, set, tile_rows: options.tile_rows.max(1) }) })
     }
 
@@ -81,8 +85,8 @@ impl CpuDevice {
             name: processor_name(),
             kind: "processor",
             driver: match InstructionSet::best() {
-                Some(set) => format!("{} cores, {} kernels", cores(), set.name()),
-                None => format!("{} cores", cores()),
+                Some(set) => format!("{}, {} kernels", counted(cores(), "core"), set.name()),
+                None => counted(cores(), "core"),
             },
             memory_bytes: total_memory_bytes(),
             missing: if InstructionSet::best().is_some() { vec![] } else { vec!["x86-64-v2".into()] },
@@ -93,7 +97,7 @@ impl CpuDevice {
 impl Device for CpuDevice {
     fn name(&self) -> String {
         let Workers { pool, set, .. } = &*self.workers;
-        format!("{} (cpu, {} threads, {})", processor_name(), pool.current_num_threads(), set.name())
+        format!("{} (cpu, {}, {})", processor_name(), counted(pool.current_num_threads(), "thread"), set.name())
     }
 
     fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {

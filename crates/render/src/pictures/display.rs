@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use raggio_kernels::cpu::{Buffers, InstructionSet, dispatch};
-use raggio_kernels::{Comparison, EntryPoint, FilmPixel, ToneMapper, View, Work};
+use raggio_kernels::{Comparison, EntryPoint, FilmPixel, Probe, ToneMapper, View, Work};
 use raggio_vulkan::Buffer;
 
 use crate::pictures::film::Film;
@@ -100,4 +100,38 @@ pub(crate) fn displayed(film: &Film, display: Display) -> Vec<u32> {
         display_rows(&mut pixels.to_vec(), &[], film.width(), display, set, output);
     }
     output
+}
+
+/// Runs the display kernel's tone mapper over a whole film, for 65536 steps of each channel; red, green and blue, row by
+/// row from the top left. Views other than that of radiance are colours for screens, and have the steps of those.
+pub(crate) fn displayed_16_bits(film: &Film, display: Display) -> Vec<[u16; 3]> {
+    const PIXELS: usize = 1 << 14;
+    if display.view != View::Radiance {
+        let widened = |pixel: u32| [0, 8, 16].map(|shift| (pixel >> shift & 0xff) as u16 * 0x101);
+        return displayed(film, display).into_iter().map(widened).collect();
+    }
+    let set = InstructionSet::best().unwrap_or(InstructionSet::Baseline);
+    let brightening = display.exposure.exp2();
+    let radiance = film.mean().pixels;
+    let mut output = Vec::with_capacity(radiance.len());
+    for pixels in radiance.chunks(PIXELS) {
+        let question = |pixel: &[f32; 3]| {
+            let [r, g, b] = pixel.map(|channel| channel * brightening);
+            [[r, g, b, display.tone_mapper as u32 as f32], [0.0; 4], [0.0; 4]]
+        };
+        let questions: Vec<[[f32; 4]; 3]> = pixels.iter().map(question).collect();
+        let mut answers = vec![0u32; 12 * questions.len()];
+        let work = Work { probe: Probe::ToneMap as u32, count: questions.len() as u32, ..Work::default() };
+        let buffers = Buffers { output: &mut answers, input: questions.as_flattened(), ..Buffers::default() };
+        dispatch(set, EntryPoint::Probe, None, &work, buffers);
+        output.extend(answers.chunks_exact(12).map(|answer| {
+            [0, 1, 2].map(|channel| (srgb_encode(f32::from_bits(answer[channel]).into()) * 65535.0).round() as u16)
+        }));
+    }
+    output
+}
+
+/// The sRGB transfer function (IEC 61966-2-1); linear values in [0, 1].
+fn srgb_encode(x: f64) -> f64 {
+    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
 }

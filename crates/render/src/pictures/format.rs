@@ -7,7 +7,7 @@ use raggio_choice::{Choice, choice, format_of};
 choice! {
     /// Format of a picture's file, told by its ending.
     pub enum PictureFormat: "picture format" {
-        /// for looking at: tone-mapped, 8 bits, sRGB
+        /// for looking at: tone-mapped, 8 or 16 bits, sRGB
         Png = "png",
         /// linear radiance: unclamped, 32-bit floating point, with layers
         Exr = "exr",

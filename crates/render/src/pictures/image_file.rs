@@ -1,24 +1,25 @@
 //! Pictures on disk, written whole or not at all.
 
-use std::fs::File;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, WritableImage};
-use image::ImageEncoder;
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use raggio_scene::display_name;
 
 use crate::pictures::aov::{Channel, Values};
-use crate::pictures::display::{Display, displayed};
+use crate::pictures::display::{Display, displayed, displayed_16_bits};
 use crate::pictures::film::Film;
 use crate::pictures::format::PictureFormat;
 use crate::pictures::metadata::Metadata;
+use crate::pictures::output_file::{OutputFile, write_whole};
+use crate::pictures::png_file::{PngBits, encode_8_bits, encode_16_bits};
 
-/// A file to be written.
+/// A picture's file to be written.
 #[derive(Clone, Debug)]
 pub struct ImageFile {
-    path: PathBuf,
+    file: OutputFile,
     format: PictureFormat,
+    png_bits: PngBits,
 }
 
 /// Layers and metadata that an EXR holds beside the picture.
@@ -35,13 +36,13 @@ pub struct Extras {
 #[non_exhaustive]
 pub enum OutputError {
     /// An ending that names no format.
-    #[error("{}: the ending must be {}", path.display(), PictureFormat::listed())]
+    #[error("{}: the ending must be {}", display_name(path), PictureFormat::listed())]
     UnknownFormat {
         /// Path of the file.
         path: PathBuf,
     },
     /// A folder or file that cannot be written to.
-    #[error("cannot write {}: {source}", path.display())]
+    #[error("cannot write {}: {source}", display_name(path))]
     Unwritable {
         /// Path of the file.
         path: PathBuf,
@@ -59,14 +60,23 @@ impl ImageFile {
         let Some(format) = PictureFormat::of_path(path) else {
             return Err(OutputError::UnknownFormat { path: path.into() });
         };
-        let file = Self { path: path.into(), format };
-        check_writable(path).map_err(|e| file.unwritable(e))?;
-        Ok(file)
+        let file = OutputFile::new(path).map_err(|source| OutputError::Unwritable { path: path.into(), source })?;
+        Ok(Self { file, format, png_bits: PngBits::Eight })
+    }
+
+    /// The same file with so many bits to a channel, if it is a PNG.
+    pub fn with_png_bits(self, png_bits: PngBits) -> Self {
+        Self { png_bits, ..self }
     }
 
     /// Path of the file.
     pub fn path(&self) -> &Path {
-        &self.path
+        self.file.path()
+    }
+
+    /// The file without its format.
+    pub fn file(&self) -> &OutputFile {
+        &self.file
     }
 
     /// Whether the file can hold layers and metadata beside the picture.
@@ -80,8 +90,8 @@ impl ImageFile {
     /// An [`OutputError`] when it cannot be written to.
     pub fn denoised(&self) -> Result<Self, OutputError> {
         let mut ending = std::ffi::OsString::from("denoised.");
-        ending.push(self.path.extension().unwrap_or_default());
-        Self::new(&self.path.with_extension(ending))
+        ending.push(self.path().extension().unwrap_or_default());
+        Ok(Self::new(&self.path().with_extension(ending))?.with_png_bits(self.png_bits))
     }
 
     /// Writes `film`, whole or not at all; PNGs are made as `display` says.
@@ -98,82 +108,19 @@ impl ImageFile {
     /// An [`OutputError`] when the file cannot be written.
     pub fn write_with(&self, film: &Film, display: Display, extras: &Extras) -> Result<(), OutputError> {
         let mut bytes = io::Cursor::new(Vec::new());
-        match self.format {
-            PictureFormat::Png => {
-                let pixels = displayed(film, display);
-                encode_png([film.width(), film.height()], bytemuck::cast_slice(&pixels), &mut bytes)
+        let size = [film.width(), film.height()];
+        match (self.format, self.png_bits) {
+            (PictureFormat::Png, PngBits::Eight) => {
+                encode_8_bits(size, bytemuck::cast_slice(&displayed(film, display)), &mut bytes)
             }
-            PictureFormat::Exr => write_exr(film, extras, &mut bytes),
+            (PictureFormat::Png, PngBits::Sixteen) => {
+                encode_16_bits(size, &displayed_16_bits(film, display), &mut bytes)
+            }
+            (PictureFormat::Exr, _) => write_exr(film, extras, &mut bytes),
         }
-        .and_then(|()| write_whole(&self.path, bytes.get_ref()))
-        .map_err(|e| self.unwritable(e))
+        .and_then(|()| self.file.write(bytes.get_ref()))
+        .map_err(|source| OutputError::Unwritable { path: self.path().into(), source })
     }
-
-    fn unwritable(&self, source: io::Error) -> OutputError {
-        OutputError::Unwritable { path: self.path.clone(), source }
-    }
-}
-
-/// Writes `bytes` to `path`, whole or not at all: under a temporary name first, renamed when all of it has reached the
-/// disk. A link is followed; a pipe or a device is written to as it is.
-///
-/// # Errors
-/// The system's error when the file cannot be written.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    write_whole_with(path, |file| file.write_all(bytes))
-}
-
-/// Writes to `path`, whole or not at all as [`write_whole`] does, the bytes that `write` writes; they need not be in
-/// memory together.
-pub(crate) fn write_whole_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
-    let path = destination(path)?;
-    if is_special(&path) {
-        return write(&mut File::options().write(true).open(&path)?);
-    }
-    let mut temporary = temporary_beside(&path)?;
-    write(temporary.as_file_mut())?;
-    temporary.as_file().sync_all()?;
-    temporary.persist(&path).map_err(|e| e.error)?;
-    Ok(())
-}
-
-/// Finds out early whether [`write_whole`] can succeed.
-///
-/// # Errors
-/// The system's error when it cannot.
-pub fn check_writable(path: &Path) -> io::Result<()> {
-    let path = destination(path)?;
-    if path.is_dir() {
-        return Err(io::ErrorKind::IsADirectory.into());
-    }
-    if !is_special(&path) {
-        temporary_beside(&path)?;
-    }
-    Ok(())
-}
-
-/// Path of what `path` links to, or `path` itself.
-fn destination(path: &Path) -> io::Result<PathBuf> {
-    if path.is_symlink() && path.exists() { path.canonicalize() } else { Ok(path.into()) }
-}
-
-/// Whether there is something at `path` that is neither a file nor a folder.
-fn is_special(path: &Path) -> bool {
-    path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
-}
-
-/// Temporary file in the folder of `path`, hidden, which vanishes unless it is kept.
-fn temporary_beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let folder = match path.parent() {
-        Some(parent) if parent != Path::new("") => parent,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".raggio-");
-    // Permissions are those of any new file: the temporary one would be for its owner alone.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
 }
 
 /// Writes `pixels` as they are to a PNG, whole or not at all: bytes red, green, blue, opacity, row by row from the top
@@ -182,16 +129,9 @@ fn temporary_beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
 /// # Errors
 /// An [`OutputError`] when the file cannot be written.
 pub fn write_png(path: &Path, size: [u32; 2], pixels: &[u8]) -> Result<(), OutputError> {
-    let mut bytes = io::Cursor::new(Vec::new());
-    let outcome = encode_png(size, pixels, &mut bytes).and_then(|()| write_whole(path, bytes.get_ref()));
+    let mut bytes = Vec::new();
+    let outcome = encode_8_bits(size, pixels, &mut bytes).and_then(|()| write_whole(path, &bytes));
     outcome.map_err(|source| OutputError::Unwritable { path: path.into(), source })
-}
-
-fn encode_png([width, height]: [u32; 2], pixels: &[u8], to: &mut impl Write) -> io::Result<()> {
-    let rgb: Vec<u8> = pixels.chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
-    PngEncoder::new_with_quality(to, CompressionType::Best, FilterType::Adaptive)
-        .write_image(&rgb, width, height, image::ExtendedColorType::Rgb8)
-        .map_err(io::Error::other)
 }
 
 fn write_exr(film: &Film, extras: &Extras, to: &mut io::Cursor<Vec<u8>>) -> io::Result<()> {

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use exr::meta::MetaData;
 use exr::prelude::{ReadChannels, ReadLayers, Vec2};
 use image::{ImageDecoder, ImageReader};
+use raggio_scene::display_name;
 
 use crate::pictures::format::PictureFormat;
 use crate::pictures::linear_image::Image;
@@ -19,13 +20,13 @@ const MOST_PIXELS: u64 = 1 << 26;
 #[non_exhaustive]
 pub enum InputError {
     /// An ending that names no format.
-    #[error("{}: the ending must be {}", path.display(), PictureFormat::listed())]
+    #[error("{}: the ending must be {}", display_name(path), PictureFormat::listed())]
     UnknownFormat {
         /// Path of the file.
         path: PathBuf,
     },
     /// A file that cannot be opened or read.
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("cannot read {}: {source}", display_name(path))]
     Unreadable {
         /// Path of the file.
         path: PathBuf,
@@ -33,7 +34,10 @@ pub enum InputError {
         source: io::Error,
     },
     /// A picture that is larger than any that is meant.
-    #[error("{}: {width}x{height} pixels are more than the {MOST_PIXELS} that a reference image may have", path.display())]
+    #[error(
+        "{}: {width}x{height} pixels are more than the {MOST_PIXELS} that a reference image may have",
+        display_name(path)
+    )]
     TooLarge {
         /// Path of the file.
         path: PathBuf,
@@ -43,7 +47,7 @@ pub enum InputError {
         height: u64,
     },
     /// A file that is not what its ending says, or is damaged.
-    #[error("{}: not {format} image with red, green and blue that can be read: {reason}", path.display())]
+    #[error("{}: not {format} image with red, green and blue that can be read: {reason}", display_name(path))]
     Malformed {
         /// Path of the file.
         path: PathBuf,

@@ -5,11 +5,12 @@ use std::io::{self, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 
 use raggio_kernels::FilmPixel;
+use raggio_scene::display_name;
 
 use crate::devices::machine::{TooLarge, check_memory};
 use crate::pictures::film::label::{Label, Portion};
 use crate::pictures::film::{Film, film_bytes};
-use crate::pictures::image_file::write_whole_with;
+use crate::pictures::output_file::write_whole_with;
 
 /// First bytes: no text begins so, and a transfer that changes line endings changes them.
 const MAGIC: [u8; 8] = *b"\x89FILM\r\n\x1a";
@@ -29,7 +30,7 @@ const CHECKSUM: usize = 32;
 #[non_exhaustive]
 pub enum FilmError {
     /// A file that cannot be opened or read.
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("cannot read {}: {source}", display_name(path))]
     Unreadable {
         /// Path of the file.
         path: PathBuf,
@@ -37,13 +38,16 @@ pub enum FilmError {
         source: io::Error,
     },
     /// A file of another kind.
-    #[error("{}: not a film of raggio", path.display())]
+    #[error("{}: not a film of raggio", display_name(path))]
     NotAFilm {
         /// Path of the file.
         path: PathBuf,
     },
     /// A film in a format that came later than this program.
-    #[error("{}: a film of format {found}, and this raggio reads format {VERSION}: use the raggio that wrote it", path.display())]
+    #[error(
+        "{}: a film of format {found}, and this raggio reads format {VERSION}: use the raggio that wrote it",
+        display_name(path)
+    )]
     Version {
         /// Path of the file.
         path: PathBuf,
@@ -51,7 +55,7 @@ pub enum FilmError {
         found: u32,
     },
     /// A film that is cut short, or is not what was written.
-    #[error("{}: the film is damaged: {reason}", path.display())]
+    #[error("{}: the film is damaged: {reason}", display_name(path))]
     Damaged {
         /// Path of the file.
         path: PathBuf,
@@ -59,7 +63,7 @@ pub enum FilmError {
         reason: String,
     },
     /// A film that this machine has no memory for.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", display_name(path))]
     TooLarge {
         /// Path of the file.
         path: PathBuf,
@@ -70,7 +74,7 @@ pub enum FilmError {
     #[error("the film does not say what it is of, and is not written")]
     Unlabelled,
     /// A folder or file that cannot be written to.
-    #[error("cannot write {}: {source}", path.display())]
+    #[error("cannot write {}: {source}", display_name(path))]
     Unwritable {
         /// Path of the file.
         path: PathBuf,

@@ -1,0 +1,71 @@
+//! Files that the program writes, and what they must not replace.
+
+use std::path::{Path, PathBuf};
+
+use raggio_render::{Denoiser, Display, ImageFile, OutputFile, PngBits};
+use raggio_scene::display_name;
+
+use crate::error::{Failure, cannot_write};
+
+/// Files to write. What can fail early fails before any time is spent.
+pub struct Files {
+    pub pictures: Vec<ImageFile>,
+    /// Denoiser, and a file beside each of `pictures`.
+    pub denoised: Option<(Denoiser, Vec<ImageFile>)>,
+    pub display: Display,
+    pub stats: Option<OutputFile>,
+}
+
+/// Files that are asked for.
+pub struct Wanted<'a> {
+    pub pictures: &'a [PathBuf],
+    pub png_bits: PngBits,
+    pub display: Display,
+    pub has_layers: bool,
+    pub denoise: bool,
+    pub stats: Option<&'a Path>,
+}
+
+impl Files {
+    /// Finds out whether all can be written without taking the place of one another or of one of `inputs`.
+    pub fn new(wanted: &Wanted, inputs: &[PathBuf]) -> Result<Self, Failure> {
+        let picture = |path: &PathBuf| Ok(ImageFile::new(path)?.with_png_bits(wanted.png_bits));
+        let pictures = wanted.pictures.iter().map(picture).collect::<Result<Vec<_>, Failure>>()?;
+        if wanted.has_layers && !pictures.iter().any(ImageFile::has_layers) {
+            return Err(Failure::Input("--aov writes layers, which only .exr has: name one with -o".into()));
+        }
+        let beside = if wanted.denoise {
+            pictures.iter().map(ImageFile::denoised).collect::<Result<Vec<_>, _>>()?
+        } else {
+            vec![]
+        };
+        let stats = wanted.stats.map(output_file).transpose()?;
+        let files: Vec<_> = pictures.iter().chain(&beside).map(ImageFile::file).chain(&stats).cloned().collect();
+        check_apart(&files, inputs)?;
+        let denoised = if wanted.denoise { Some((Denoiser::open()?, beside)) } else { None };
+        Ok(Self { pictures, denoised, display: wanted.display, stats })
+    }
+}
+
+/// A file other than a picture, which can be written to.
+pub fn output_file(path: &Path) -> Result<OutputFile, Failure> {
+    OutputFile::new(path).map_err(|e| cannot_write(path, &e))
+}
+
+/// Checks that no file takes the place of another or of an input, by whatever names and links they are called.
+pub fn check_apart(files: &[OutputFile], inputs: &[PathBuf]) -> Result<(), Failure> {
+    // Devices take any number of files.
+    let placed: Vec<_> = files.iter().filter_map(|file| Some((file.path(), file.place()?))).collect();
+    for (i, (path, place)) in placed.iter().enumerate() {
+        let refused = |reason: &str, other: &Path| {
+            Err(Failure::Input(format!("cannot write {}: {reason} {}", display_name(path), display_name(other))))
+        };
+        if let Some(input) = inputs.iter().find(|input| input.canonicalize().is_ok_and(|input| input == *place)) {
+            return refused("it would replace what is read,", input);
+        }
+        if let Some((other, _)) = placed[..i].iter().find(|(_, taken)| taken == place) {
+            return refused("it would replace what goes to", other);
+        }
+    }
+    Ok(())
+}
