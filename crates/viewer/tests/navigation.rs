@@ -13,6 +13,7 @@ fn camera() -> Camera {
         look_at,
         up: Vec3::Y,
         vertical_fov_degrees: 40.0,
+        orthographic_height: None,
         aperture_radius: 0.0,
         focus_distance: 0.0,
     };
