@@ -1,7 +1,7 @@
 # Every target that builds first sees to it that the machine can: setup takes a moment when all is there.
 .DEFAULT_GOAL := help
 .NOTPARALLEL: # cargo uses all cores by itself, and two set-ups at once would collide
-.PHONY: help setup setup-tests demo install uninstall test test-long fuzz gallery bench lint deny clean
+.PHONY: help setup setup-tests demo install uninstall test test-long fuzz gallery bench style lint deny clean
 
 env := . scripts/env.sh &&
 # Tests also run the CPU kernels with bounds checks; what checks builds the same, or it would be built twice.
@@ -57,12 +57,14 @@ bench: setup ## measure the speed, and how the error falls with samples
 	$(env) python scripts/bench.py
 	$(env) python scripts/convergence.py
 
-lint: setup ## check formatting, warnings, the documentation's links and, with cargo-deny, licences
+style: setup # lint without the compiler
 	$(env) cargo fmt --all --check
 	$(env) python scripts/check_links.py
-	$(test_env) cargo clippy --workspace --all-targets --release -- -D warnings
 	@$(env) if cargo deny --version >/dev/null 2>&1; then cargo deny check bans licenses sources; \
 	else echo "lint: cargo-deny is not installed: licences and sources of dependencies were NOT checked (see make deny)"; fi
+
+lint: style ## check formatting, the documentation's links, warnings and, with cargo-deny, licences
+	$(test_env) cargo clippy --workspace --all-targets --release -- -D warnings
 
 deny: ## check dependencies: licences, sources, known vulnerabilities (needs cargo-deny and the network)
 	@$(env) cargo deny --version >/dev/null 2>&1 || \
