@@ -45,6 +45,13 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Ve
                 commands.push(Command::SceneSize(fixed));
             }
         });
+        row(ui, "frame", |ui| {
+            let mut fill = viewer.settings.fill;
+            let box_ = ui.add_enabled(!viewer.settings.scene_size, egui::Checkbox::new(&mut fill, "fills the window"));
+            if box_.on_hover_text("otherwise it is the scene's, whole and nothing else").changed() {
+                commands.push(Command::Fill(fill));
+            }
+        });
         row(ui, "compare", |ui| {
             ui.add_enabled_ui(tone_mapped, |ui| compare(ui, viewer, fields, &mut look, commands));
         });
