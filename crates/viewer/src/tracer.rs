@@ -19,7 +19,7 @@ const COARSEST: u32 = 32;
 const SHORT_PATH: u32 = 3;
 /// Seconds that a frame may take to show another view: its first surfaces are quick to find, and the film of radiance
 /// is worth more than a coarser film for the view would be.
-const GLANCE: f64 = 0.25;
+const GLANCE: f64 = 1.0;
 /// Most samples that a pixel takes, as in scene files.
 pub const MOST_SAMPLES: u32 = i32::MAX as u32;
 

@@ -19,12 +19,14 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     Window::new(format!("Keys and mouse ({})", preset.name()))
         .open(&mut open)
         .anchor(Align2::LEFT_TOP, [12.0, 12.0])
-        .resizable(false)
+        // The window is as large as the table, within this.
+        .fixed_size(room.max(Vec2::splat(1.0)))
+        .fade_in(false)
         .collapsible(false)
         .show(ui.ctx(), |ui| {
             // Bars that are always there say that there is more.
             ui.spacing_mut().scroll = ScrollStyle::solid();
-            ScrollArea::both().max_width(room.x.max(1.0)).max_height(room.y.max(1.0)).show(ui, |ui| table(ui, preset));
+            ScrollArea::both().show(ui, |ui| table(ui, preset));
         });
     if !open {
         commands.push(Command::Help);

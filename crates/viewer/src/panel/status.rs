@@ -13,7 +13,7 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     let unsaved = if viewer.document.is_modified() { " *" } else { "" };
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if ui.button("F1").on_hover_text("what mouse and keys do").clicked() {
+            if ui.button("Help (F1)").on_hover_text("what mouse and keys do").clicked() {
                 commands.push(Command::Help);
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
