@@ -33,7 +33,7 @@ pub struct Tracer {
     full: [u32; 2],
     /// Factor by which the film is smaller in each direction, so that a frame's time is enough while the camera moves.
     divisor: u32,
-    /// Whether paths end after [`SHORT_PATH`] rays, until the camera rests.
+    /// Whether paths end after [`SHORT_PATH`] rays.
     shortened: bool,
     moved: Option<Instant>,
     /// Samples per pixel at which to stop.
@@ -235,10 +235,11 @@ impl Tracer {
         let changed = std::mem::take(&mut self.begun);
         if changed {
             let needed = self.needed_divisor(seconds);
-            // A little too coarse stays: changing the resolution back and forth would flicker, and so would the light
-            // that long paths bring.
+            // A little too coarse stays: changing the resolution back and forth would flicker. So would the light that
+            // long paths bring, which may take four times as long.
             let divisor = if needed.saturating_add(1) == self.divisor { self.divisor } else { needed };
-            self.change_quality(divisor, self.shortened || needed > COARSEST)?;
+            let bearable = if self.shortened { COARSEST / 2 } else { COARSEST };
+            self.change_quality(divisor, needed > bearable)?;
         } else if !self.is_moving() && self.renderer.progress().samples > 0 {
             self.change_quality(self.needed_divisor(seconds).min(self.divisor / 2), false)?;
         }
