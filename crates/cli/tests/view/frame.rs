@@ -156,3 +156,19 @@ wait 1 frames
     let bright = wide.enumerate_pixels().filter(|(x, _, pixel)| *x > 384 && pixel.0[1] > 180).count();
     assert!(bright > 300, "{bright} bright pixels in the panel");
 }
+
+#[test]
+fn a_hint_at_the_start_tells_of_the_help() {
+    if !can_draw() {
+        return;
+    }
+    let desk = Desk::new(SCENE);
+    let script = "stop-at 1\nwait 1 samples\nscreenshot plain.png\npress F12\nwait 3 frames";
+    desk.play(script, &["--device", "cpu", "--size", "300x200"], None);
+    // What a hand takes shows the window as the user sees it.
+    let (plain, window) = (open(&desk, "plain.png"), open(&desk, "scene-window-1.png"));
+    let changed: Vec<_> = window.enumerate_pixels().filter(|(x, y, pixel)| plain.get_pixel(*x, *y) != *pixel).collect();
+    assert!(changed.len() > 2000, "{} pixels", changed.len());
+    assert!(changed.iter().all(|(_, y, _)| *y > 120), "the hint is at the bottom");
+    assert!(changed.iter().filter(|(.., pixel)| pixel.0[1] > 180).count() > 50, "it has a text");
+}

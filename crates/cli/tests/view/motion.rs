@@ -18,6 +18,8 @@ section end
 section flying
 hold W 20 frames
 section end
+size 640x360
+wait 2 frames
 wait 1 samples
 section views
 wait 1 frames
