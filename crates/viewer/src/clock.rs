@@ -36,24 +36,28 @@ pub struct Clock {
     sampled: f64,
     /// Seconds that samples took beyond those that they were given, smoothed.
     excess: f64,
-    /// Frame times of the section under way, in milliseconds.
+    /// Beginning of the last frame that showed something new, or of the section if there was none since.
+    shown: Instant,
+    /// Times from one frame that showed something new to the next, in milliseconds, in the section under way.
     frames: Option<Vec<f64>>,
     section: String,
+    /// Section that the next frame is the first of, if another one begins or none.
+    next_section: Option<Option<String>>,
     sections: BTreeMap<String, Vec<f64>>,
 }
 
-/// Statistics of the frame times in one section of a script.
+/// Statistics of the frames in one section of a script that showed something new.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pacing {
     /// Name of the section in the script.
     pub section: String,
-    /// Number of frames.
+    /// Number of frames that showed something new.
     pub frames: usize,
-    /// Median of the frame times, in milliseconds.
+    /// Median of the times from one of them to the next, in milliseconds.
     pub median: f64,
-    /// Frame time that 99 of 100 frames do not exceed, in milliseconds.
+    /// Time that 99 of 100 do not exceed, in milliseconds.
     pub percentile_99: f64,
-    /// The longest frame time, in milliseconds.
+    /// The longest time, in milliseconds.
     pub longest: f64,
 }
 
@@ -67,8 +71,10 @@ impl Clock {
             overhead: 0.2 * interval,
             sampled: 0.0,
             excess: 0.0,
+            shown: Instant::now(),
             frames: None,
             section: String::new(),
+            next_section: None,
             sections: BTreeMap::new(),
         }
     }
@@ -84,9 +90,6 @@ impl Clock {
         let now = Instant::now();
         let elapsed = (now - self.began).as_secs_f64();
         self.began = now;
-        if let Some(frames) = &mut self.frames {
-            frames.push(1000.0 * elapsed);
-        }
         if elapsed < 0.5 {
             self.period += 0.1 * (elapsed - self.period);
         }
@@ -110,12 +113,28 @@ impl Clock {
         self.excess += 0.2 * ((seconds - budget).max(0.0) - self.excess);
     }
 
+    /// Notes that this frame shows something new.
+    pub fn show(&mut self) {
+        let since = self.began - std::mem::replace(&mut self.shown, self.began);
+        if let Some(frames) = &mut self.frames {
+            frames.push(1000.0 * since.as_secs_f64());
+        }
+    }
+
     /// Ends the frame, which `waited` for the display.
     pub fn end(&mut self, waited: Duration) {
         let busy = self.began.elapsed().as_secs_f64();
         let overhead = (busy - self.sampled - waited.as_secs_f64()).clamp(0.0, 0.1);
         self.overhead += 0.2 * (overhead - self.overhead);
         self.sampled = 0.0;
+        if let Some(section) = self.next_section.take() {
+            self.close_section();
+            if let Some(section) = section {
+                self.section = section;
+                self.frames = Some(vec![]);
+                self.shown = self.began;
+            }
+        }
     }
 
     /// Frames per second, smoothed.
@@ -123,14 +142,15 @@ impl Clock {
         1.0 / self.period.max(1e-6)
     }
 
-    /// Begins a section of the measurement, to which frames from here on belong; `None`: they belong to none.
+    /// Begins a section of the measurement with the next frame; `None`: frames from then on belong to none.
     pub fn enter(&mut self, section: Option<String>) {
+        self.next_section = Some(section);
+    }
+
+    /// Ends the section under way.
+    pub fn close_section(&mut self) {
         if let Some(frames) = self.frames.take() {
             self.sections.entry(std::mem::take(&mut self.section)).or_default().extend(frames);
-        }
-        if let Some(section) = section {
-            self.section = section;
-            self.frames = Some(vec![]);
         }
     }
 
@@ -165,6 +185,32 @@ mod tests {
         let found = pacing("moving", &frames);
         assert_eq!((found.frames, found.median, found.percentile_99, found.longest), (200, 100.0, 198.0, 200.0));
         assert_eq!(pacing("one", &[7.0]).percentile_99, 7.0);
+    }
+
+    #[test]
+    fn a_section_has_the_frames_after_the_one_that_begins_it_which_show_something_new() {
+        let mut clock = Clock::new(0.016);
+        let mut frame = |section: Option<Option<&str>>, new: bool| {
+            std::thread::sleep(Duration::from_millis(4));
+            clock.begin();
+            section.into_iter().for_each(|section| clock.enter(section.map(String::from)));
+            if new {
+                clock.show();
+            }
+            clock.end(Duration::ZERO);
+        };
+        frame(None, true);
+        frame(None, false);
+        frame(Some(Some("moving")), true);
+        frame(None, true);
+        frame(None, false);
+        frame(None, true);
+        frame(Some(None), true);
+        frame(None, true);
+        let pacing = clock.pacing();
+        assert_eq!((pacing.len(), &*pacing[0].section, pacing[0].frames), (1, "moving", 3));
+        // The frame that showed nothing new counts as time of the one after it.
+        assert!(pacing[0].longest >= 8.0 && pacing[0].median >= 4.0, "{pacing:?}");
     }
 
     #[test]

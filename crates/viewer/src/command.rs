@@ -61,6 +61,8 @@ pub enum Command {
     SamplesPerFrame(Option<u32>),
     /// Gives the picture the size that the scene says, or that the window leaves room for.
     SceneSize(bool),
+    /// Fills the window with the picture, or shows the scene's own frame.
+    Fill(bool),
     /// Writes the picture to a file.
     Export(ExportRequest),
     /// Gives up an export that is being rendered.

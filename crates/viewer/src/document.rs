@@ -28,6 +28,8 @@ use layout::Layout;
 #[derive(Debug)]
 pub struct Document {
     path: PathBuf,
+    /// The scene file, or the model that the scene was made for as long as it was not saved.
+    source: PathBuf,
     text: String,
     scene: Scene,
     /// The file's text as last read or saved; `None` when it never was.
@@ -58,6 +60,7 @@ impl Document {
         if is_model(path) {
             let mut document = Self::read(text, &free_path(path), assets)?;
             document.made = Some(document.text.clone());
+            document.source = path.to_path_buf();
             return Ok(document);
         }
         let mut document = Self::read(text, path, assets)?;
@@ -76,7 +79,16 @@ impl Document {
     fn read(text: String, path: &Path, mut assets: Assets) -> Result<Self, SceneError> {
         let scene = Scene::parse_with(&text, path, &mut assets)?;
         let path = path.to_path_buf();
-        Ok(Self { path, text, scene, on_disk: None, made: None, history: History::default(), assets })
+        Ok(Self {
+            source: path.clone(),
+            path,
+            text,
+            scene,
+            on_disk: None,
+            made: None,
+            history: History::default(),
+            assets,
+        })
     }
 
     /// Models and images that the scene is made of.
@@ -87,6 +99,12 @@ impl Document {
     /// Path that the scene is read from and saved to.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// File that shows the scene: the one that it is read from and saved to, or the model that it was made for as long
+    /// as it was not saved.
+    pub fn source(&self) -> &Path {
+        &self.source
     }
 
     /// Scene that the text describes.
@@ -125,6 +143,7 @@ impl Document {
         raggio_render::write_whole(path, self.text.as_bytes())
             .map_err(|source| EditError::Unwritable { path: display_name(path), source })?;
         self.on_disk = Some(self.text.clone());
+        self.source = path.to_path_buf();
         if let Some(scene) = scene {
             self.scene = scene;
             self.path = path.to_path_buf();

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use raggio_render::{DeviceScene, Display, ImageFile, Renderer};
+use raggio_render::{DeviceScene, Display, Extras, Film, ImageFile, Metadata, OutputError, Renderer};
 
 use crate::error::ViewError;
 use crate::tracer::Tracer;
@@ -12,13 +12,21 @@ pub struct Export {
     file: ImageFile,
     renderer: Renderer,
     display: Display,
+    metadata: Metadata,
+}
+
+/// Writes `film` as `raggio render` does, with all that an EXR says of how it was made.
+pub fn write(file: &ImageFile, film: &Film, display: Display, mut metadata: Metadata) -> Result<(), OutputError> {
+    metadata.samples = film.pixels().iter().map(|pixel| pixel.samples).max().unwrap_or(0);
+    file.write_with(film, display, &Extras { channels: vec![], metadata: Some(metadata) })
 }
 
 impl Export {
-    /// Begins a picture of what `tracer` shows, of `size` pixels with so many samples each.
+    /// Begins a picture of what `tracer` shows, of `size` pixels with so many samples each; `name` is the scene's.
     pub fn begin(
         file: ImageFile,
         tracer: &Tracer,
+        name: &str,
         size: [u32; 2],
         samples: u32,
         display: Display,
@@ -28,14 +36,15 @@ impl Export {
         [scene.render.width, scene.render.height] = size;
         let device_scene = DeviceScene::new(&scene)?;
         let session = tracer.device().load(&device_scene)?;
-        Ok(Self { file, renderer: Renderer::new(session, &device_scene, 0..samples), display })
+        let metadata = Metadata::new(&scene, name);
+        Ok(Self { file, renderer: Renderer::new(session, &device_scene, 0..samples), display, metadata })
     }
 
     /// Spends about `seconds` on the picture; true when the file is written.
     pub fn advance(&mut self, seconds: f64) -> Result<bool, ViewError> {
         let finished = self.renderer.run_for(seconds)?;
         if finished {
-            self.file.write(&self.renderer.film()?, self.display)?;
+            write(&self.file, &self.renderer.film()?, self.display, self.metadata.clone())?;
         }
         Ok(finished)
     }

@@ -1,6 +1,6 @@
 //! Translation of egui's events into input to the picture.
 
-use egui::{Event, Key, Modifiers as Held, PointerButton, Rect, Response, Ui, Vec2};
+use egui::{Event, Key, Modifiers as Held, PointerButton, Pos2, Rect, Response, Ui, Vec2};
 use raggio_scene::Vec3;
 
 use crate::command::{Command, Navigate};
@@ -23,20 +23,23 @@ pub struct Input {
     pub commands: Vec<Command>,
 }
 
-/// Reads the frame's events; `area` is where the picture is, in points.
-pub fn read(ui: &Ui, area: Rect) -> Input {
-    let response = ui.interact(area, ui.id().with("picture"), egui::Sense::click_and_drag());
+/// Reads the frame's events in the `room` that the panels leave; `area` in it is where the picture is, in points.
+pub fn read(ui: &Ui, room: Rect, area: Rect) -> Input {
+    let response = ui.interact(room, ui.id().with("picture"), egui::Sense::click_and_drag());
     // Escape ends typing before this is asked, so that what was true a frame ago counts too.
     let was_typing = ui.id().with("typing");
     let now = ui.ctx().text_edit_focused();
     let typing = now || ui.data(|data| data.get_temp(was_typing).unwrap_or(false));
     ui.data_mut(|data| data.insert_temp(was_typing, now));
     let mut input = Input { hands: hands(ui, &response, area, typing), ..Input::default() };
-    let at = response.interact_pointer_pos().map(|at| part(at - area.min, area));
+    let pointer = response.interact_pointer_pos();
+    let at = pointer.filter(|at| area.contains(*at)).map(|at| part(at - area.min, area));
     if response.double_clicked() {
         input.double_clicked = at;
     } else if response.clicked() {
         input.clicked = at;
+        // Beside the picture there is nothing to be selected.
+        input.commands.extend(at.is_none().then_some(Command::Select(None)));
     }
     if let Some(at) = input.clicked.filter(|_| !typing && ui.input(|i| i.key_down(Key::F))) {
         input.clicked = None;
@@ -64,7 +67,12 @@ fn hands(ui: &Ui, response: &Response, area: Rect, typing: bool) -> Hands {
             if held.is_some() && response.dragged() { i.pointer.delta() / area.height().max(1.0) } else { Vec2::ZERO };
         // With Shift the wheel scrolls sideways.
         let scrolled = if response.hovered() { i.smooth_scroll_delta.x + i.smooth_scroll_delta.y } else { 0.0 };
-        let cursor = i.pointer.latest_pos().filter(|_| response.hovered() || held.is_some());
+        // A drag goes on where there is no picture, but does not begin at a point of it there.
+        let inside = |at: Option<Pos2>| at.is_some_and(|at| area.contains(at));
+        let pointer = i.pointer.latest_pos();
+        let points =
+            if held.is_some() { inside(i.pointer.press_origin()) } else { response.hovered() && inside(pointer) };
+        let cursor = pointer.filter(|_| points);
         Hands {
             cursor: cursor.map(|at| part(at - area.min, area)),
             held,

@@ -4,6 +4,8 @@ use std::time::{Duration, Instant};
 
 /// Time that a notice of [`Kind::Done`] stays.
 const BRIEF: Duration = Duration::from_secs(6);
+/// Time at its end in which it fades.
+const FADING: Duration = Duration::from_secs(1);
 
 /// Notices for the user, one sentence each.
 #[derive(Default)]
@@ -36,6 +38,16 @@ pub enum Kind {
     Error,
     /// Fault of a file that others change; stays until the file is right.
     Fault,
+}
+
+impl Notice {
+    /// Opacity, 0 to 1.
+    pub fn opacity(&self) -> f32 {
+        if self.kind != Kind::Done {
+            return 1.0;
+        }
+        (BRIEF.saturating_sub(self.since.elapsed()).as_secs_f32() / FADING.as_secs_f32()).min(1.0)
+    }
 }
 
 impl Notices {
@@ -98,9 +110,14 @@ impl Notices {
         self.failures.iter().cloned().chain(faults).collect()
     }
 
-    /// Whether a notice goes by itself before long.
-    pub fn is_waiting(&self) -> bool {
-        self.all.iter().any(|notice| notice.kind == Kind::Done)
+    /// Time for which the notices stay as they are.
+    pub fn patience(&self) -> Duration {
+        let brief = self.all.iter().filter(|notice| notice.kind == Kind::Done);
+        let until_change = |notice: &Notice| match (BRIEF - FADING).saturating_sub(notice.since.elapsed()) {
+            Duration::ZERO => Duration::from_millis(33),
+            stays => stays,
+        };
+        brief.map(until_change).min().unwrap_or(Duration::MAX)
     }
 
     fn say(&mut self, kind: Kind, text: String) {

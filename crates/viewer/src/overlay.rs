@@ -1,11 +1,14 @@
 //! Overlay of the picture: the selected shape's box, and the notices.
 
-use egui::{Align2, Area, Color32, Frame, Pos2, Rect, RichText, Stroke, Ui, vec2};
+use egui::{Align2, Area, Color32, Frame, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
 use raggio_scene::{Camera, Vec3};
 
 use crate::navigation::axes;
 use crate::notices::Kind;
 use crate::viewer::Viewer;
+
+/// Colour around the picture: dark, and without a hue that would tinge what is seen beside it.
+const SURROUND: Color32 = Color32::from_gray(0x1a);
 
 /// Rectangle of the picture in the room that the panels leave, in points.
 pub fn place(room: Rect, viewer: &Viewer) -> Rect {
@@ -13,8 +16,11 @@ pub fn place(room: Rect, viewer: &Viewer) -> Rect {
     Rect::from_center_size(room.center(), vec2(width, height))
 }
 
-/// Draws the selected shape's box and the notices over the picture in `area`.
-pub fn show(ui: &Ui, area: Rect, viewer: &mut Viewer) {
+/// Draws what is around the picture in `area`, up to the edges of `room`, and the selected shape's box over it.
+pub fn show(ui: &Ui, room: Rect, area: Rect, viewer: &Viewer) {
+    for side in around(room, area) {
+        ui.painter().rect_filled(side, 0.0, SURROUND);
+    }
     if let Some((low, high)) = viewer.outline {
         let painter = ui.painter().with_clip_rect(area);
         for line in edges(low, high) {
@@ -24,20 +30,31 @@ pub fn show(ui: &Ui, area: Rect, viewer: &mut Viewer) {
             }
         }
     }
-    notices(ui, area, viewer);
 }
 
-fn notices(ui: &Ui, area: Rect, viewer: &mut Viewer) {
+/// What `area` leaves of `room`, above, below, to the left and to the right.
+fn around(room: Rect, area: Rect) -> [Rect; 4] {
+    [
+        Rect::from_min_max(room.min, pos2(room.right(), area.top())),
+        Rect::from_min_max(pos2(room.left(), area.bottom()), room.max),
+        Rect::from_min_max(pos2(room.left(), area.top()), area.left_bottom()),
+        Rect::from_min_max(area.right_top(), pos2(room.right(), area.bottom())),
+    ]
+}
+
+/// Draws the notices at the bottom left of `room`.
+pub fn notices(ui: &Ui, room: Rect, viewer: &mut Viewer) {
     let mut dismissed = None;
-    let corner = area.left_bottom() + vec2(12.0, -12.0);
+    let corner = room.left_bottom() + vec2(12.0, -12.0);
     Area::new("notices".into()).pivot(Align2::LEFT_BOTTOM).fixed_pos(corner).show(ui.ctx(), |ui| {
-        ui.set_max_width((area.width() - 24.0).clamp(120.0, 620.0));
+        ui.set_max_width((room.width() - 24.0).clamp(120.0, 620.0));
         for (index, notice) in viewer.notices.current().iter().enumerate() {
             let color = match notice.kind {
                 Kind::Done => Color32::from_rgb(0xd8, 0xd8, 0xd4),
                 Kind::Warning | Kind::Scene => Color32::from_rgb(0xff, 0xd0, 0x70),
                 Kind::Error | Kind::Fault => Color32::from_rgb(0xff, 0x90, 0x80),
             };
+            ui.set_opacity(notice.opacity());
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.horizontal(|ui| {
                     if notice.kind != Kind::Done && ui.small_button("x").clicked() {

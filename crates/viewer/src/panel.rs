@@ -18,10 +18,22 @@ use crate::viewer::Viewer;
 
 pub use theme::apply as apply_theme;
 
+/// Width of the panel, in points: the least, the one at first, and the most.
+const WIDTH: [f32; 3] = [280.0, 320.0, 640.0];
+/// Least width that the panel leaves for the picture, in points.
+const PICTURE: f32 = 160.0;
+
+/// Whether a window of this width, in points, has room for a panel beside the picture.
+pub fn fit(width: f32) -> bool {
+    width >= WIDTH[0] + PICTURE
+}
+
 /// Draws the panels and says what they ask for.
 pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Vec<Command>) {
-    if viewer.settings.panels {
-        let panel = Panel::right("panel").resizable(true).default_size(320.0).size_range(280.0..=640.0);
+    if viewer.shows_panels() {
+        let [least, first, most] = WIDTH;
+        let most = most.min(ui.available_width() - PICTURE);
+        let panel = Panel::right("panel").resizable(true).default_size(first).size_range(least..=most);
         panel.show(ui, |ui| {
             status::show(ui, viewer, commands);
             ui.separator();

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, TouchPhase, Vec2};
 use raggio_choice::{Choice, choice};
+use raggio_scene::counted;
 
 use crate::command::{Command, Navigate};
 use crate::error::ViewError;
@@ -223,8 +224,8 @@ impl Player {
             Step::WaitForSamples(samples) => {
                 let enough = state.samples >= *samples;
                 if state.stopped && !enough {
-                    let has = state.samples;
-                    let complaint = format!("waited for {samples} samples per pixel, and sampling stopped at {has}");
+                    let (has, wanted) = (state.samples, counted(*samples as usize, "sample"));
+                    let complaint = format!("waited for {wanted} per pixel, and sampling stopped at {has}");
                     played.commands.push(Command::Complain(complaint));
                 }
                 f64::from(u8::from(enough || state.stopped))

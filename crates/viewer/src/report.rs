@@ -8,7 +8,7 @@ use crate::viewer::Viewer;
 pub struct Report {
     /// Name of the device that traced.
     pub device: String,
-    /// Statistics of the frames of each section of the script.
+    /// Statistics of the frames of each section of the script that showed something new.
     pub pacing: Vec<Pacing>,
     /// Messages of what failed in the end, in the words the user saw.
     pub failures: Vec<String>,
@@ -19,7 +19,7 @@ pub struct Report {
 impl Report {
     /// Report of what `viewer` did.
     pub(crate) fn of(viewer: &mut Viewer, validation_messages: Vec<String>) -> Self {
-        viewer.clock.enter(None);
+        viewer.clock.close_section();
         Self {
             device: viewer.tracer.device().name(),
             pacing: viewer.clock.pacing(),

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use egui::{Context, OutputCommand, PlatformOutput, RawInput, Rect, ViewportId};
+use egui::{Context, OutputCommand, PlatformOutput, Pos2, RawInput, Rect, ViewportId};
 use raggio_render::Pixels;
 use raggio_vulkan::{Area, Canvas, Overlay, Picture};
 
@@ -13,7 +13,7 @@ use crate::overlay;
 use crate::panel;
 use crate::viewer::Viewer;
 
-/// The smallest picture, in pixels each way: windows can be made very small.
+/// The smallest canvas at first, in pixels each way: a window may begin minimised.
 pub const SMALLEST: u32 = 16;
 
 /// A canvas that frames are drawn on, and the state of the panels.
@@ -71,13 +71,21 @@ impl Screen {
         if !raw.events.is_empty() || !commands.is_empty() {
             viewer.untouched = Instant::now();
         }
+        // A picture that a script takes is of the window, not of what the script has just been told.
+        let pictured = |command: &Command| matches!(command, Command::Screenshot(Some(_)));
+        let bare = viewer.outgoing.screenshot.is_some() || commands.iter().any(pictured);
         let mut fields = std::mem::take(&mut viewer.fields);
         let mut picture = (Rect::ZERO, Input::default());
         let output = self.ctx.run_ui(raw, |ui| {
+            viewer.roomy = panel::fit(ui.available_width());
             panel::show(ui, viewer, &mut fields, &mut commands);
-            let area = overlay::place(ui.available_rect_before_wrap(), viewer);
-            picture = (area, input::read(ui, area));
-            overlay::show(ui, area, viewer);
+            let room = ui.available_rect_before_wrap();
+            let area = in_whole_pixels(overlay::place(room, viewer), ui.pixels_per_point());
+            picture = (area, input::read(ui, room, area));
+            overlay::show(ui, room, area, viewer);
+            if !bare {
+                overlay::notices(ui, room, viewer);
+            }
         });
         viewer.fields = fields;
         let (area, input) = picture;
@@ -100,7 +108,11 @@ impl Screen {
             pixels_per_point: scale,
             capture: screenshot,
         };
+        let news = pixels.is_some();
         let shown = self.canvas.show(pixels, in_pixels(area, scale), overlay)?;
+        if news && shown.visible {
+            viewer.clock.show();
+        }
         viewer.clock.end(shown.waited);
 
         let mut platform = output.platform_output;
@@ -153,6 +165,12 @@ fn borrowed(pixels: &Pixels) -> raggio_vulkan::Pixels<'_> {
     }
 }
 
+/// Moves the edges of `area` to those of pixels: the picture's are there too.
+fn in_whole_pixels(area: Rect, scale: f32) -> Rect {
+    let round = |point: Pos2| Pos2::new((point.x * scale).round(), (point.y * scale).round()) / scale;
+    Rect::from_min_max(round(area.min), round(area.max))
+}
+
 fn in_pixels(area: Rect, scale: f32) -> Area {
     let round = |points: f32| (points * scale).round().max(0.0) as u32;
     let (left, top) = (round(area.left()), round(area.top()));
@@ -162,5 +180,5 @@ fn in_pixels(area: Rect, scale: f32) -> Area {
 
 fn picture_size(area: Rect, scale: f32) -> [u32; 2] {
     let area = in_pixels(area, scale);
-    [area.width.max(SMALLEST), area.height.max(SMALLEST)]
+    [area.width.max(1), area.height.max(1)]
 }

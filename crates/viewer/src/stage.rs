@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use egui::{PlatformOutput, RawInput};
 use raggio_render::{Device, DeviceChoice, OpenOptions};
+use raggio_scene::counted;
 use raggio_vulkan::{Canvas, DeviceKind, Instance, Surface, VulkanError};
 
 use crate::document::Document;
@@ -118,7 +119,6 @@ impl Stage {
         let Files { document, player } = files;
         let warnings = RefCell::new(vec![]);
         let device = opener.open(|warning| warnings.borrow_mut().push(warning.to_owned()))?;
-        // A window may begin minimised.
         let size = size.map(|side| side.max(SMALLEST));
         let canvas = canvas(&opener, &*device, surface, size)?;
         let mut viewer = Viewer::new(document, device, size, wake)?;
@@ -188,7 +188,9 @@ impl Stage {
             None => self.opener.open_cpu()?,
         };
         self.viewer.set_device(device)?;
-        self.viewer.notices.warn(format!("{error}; {what}, {samples} samples per pixel were lost"));
+        let were = if samples == 1 { "was" } else { "were" };
+        let lost = counted(samples as usize, "sample");
+        self.viewer.notices.warn(format!("{error}; {what}, {lost} per pixel {were} lost"));
         Ok(())
     }
 

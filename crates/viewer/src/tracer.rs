@@ -14,7 +14,12 @@ use crate::look::Look;
 /// Time after the last motion for which the camera counts as moving.
 const REST: Duration = Duration::from_millis(120);
 /// Greatest factor by which the film is smaller than the picture, in each direction.
-const COARSEST: u32 = 8;
+const COARSEST: u32 = 32;
+/// Most rays along one path where even the coarsest film takes longer than a frame.
+const SHORT_PATH: u32 = 3;
+/// Seconds that a frame may take to show another view: its first surfaces are quick to find, and the film of radiance
+/// is worth more than a coarser film for the view would be.
+const GLANCE: f64 = 1.0;
 /// Most samples that a pixel takes, as in scene files.
 pub const MOST_SAMPLES: u32 = i32::MAX as u32;
 
@@ -28,11 +33,15 @@ pub struct Tracer {
     full: [u32; 2],
     /// Factor by which the film is smaller in each direction, so that a frame's time is enough while the camera moves.
     divisor: u32,
+    /// Whether paths end after [`SHORT_PATH`] rays.
+    shortened: bool,
     moved: Option<Instant>,
     /// Samples per pixel at which to stop.
     limit: Option<u32>,
     /// Whether the film is new, and its resolution not yet chosen.
     begun: bool,
+    /// Whether another view has been asked for of which there is nothing to see yet.
+    awaited: bool,
     /// Whether the film has changed since it was last displayed.
     fresh: bool,
     shown: Option<Display>,
@@ -82,9 +91,11 @@ impl Tracer {
             renderer,
             full,
             divisor: 1,
+            shortened: false,
             moved: None,
             limit: None,
             begun: true,
+            awaited: false,
             fresh: false,
             shown: None,
             samples_per_pass: None,
@@ -116,7 +127,9 @@ impl Tracer {
 
     /// Shows the film that `view` looks at.
     pub fn set_view(&mut self, view: View) -> Result<(), ViewError> {
-        Ok(self.renderer.show(view.feature())?)
+        self.renderer.show(view.feature())?;
+        self.awaited = self.renderer.progress().samples == 0;
+        Ok(())
     }
 
     /// Compares with this picture, or with none.
@@ -135,6 +148,7 @@ impl Tracer {
         device_scene.update(&scene)?;
         self.renderer.restart(&device_scene)?;
         (self.scene, self.device_scene) = (scene, device_scene);
+        self.shortened = false;
         self.begin()
     }
 
@@ -161,7 +175,11 @@ impl Tracer {
     /// Begins the average anew.
     pub fn restart(&mut self) -> Result<(), ViewError> {
         [self.scene.render.width, self.scene.render.height] = self.film_size();
-        self.device_scene.set_view(&self.scene)?;
+        let max_depth = self.scene.render.max_depth;
+        self.scene.render.max_depth = self.film_depth();
+        let viewed = self.device_scene.set_view(&self.scene);
+        self.scene.render.max_depth = max_depth;
+        viewed?;
         self.renderer.restart(&self.device_scene)?;
         self.begin()
     }
@@ -169,6 +187,7 @@ impl Tracer {
     /// Begins a new film: resets all that belongs to the last one.
     fn begin(&mut self) -> Result<(), ViewError> {
         self.begun = true;
+        self.awaited = false;
         self.fresh = false;
         self.generation = self.generation.wrapping_add(1);
         self.rays = Rays::default();
@@ -192,36 +211,87 @@ impl Tracer {
         self.renderer.set_samples_per_pass(samples);
     }
 
-    /// Spends about `seconds` on samples.
+    /// Spends about `seconds` on samples. A film that is new gets a whole sample, whatever time that takes: each change
+    /// is to be seen before the next one.
     pub fn trace(&mut self, seconds: f64) -> Result<(), ViewError> {
-        self.settle(seconds)?;
-        if !self.renderer.finished() {
-            self.renderer.run_for(seconds)?;
+        let start = Instant::now();
+        if self.settle(seconds)? {
+            self.add_one_sample(|tracer| tracer.catch_up(seconds))?;
+        } else if self.awaited {
+            self.add_one_sample(|tracer| tracer.glance(seconds.max(GLANCE)))?;
+            self.awaited = self.renderer.progress().samples == 0;
+        }
+        let left = seconds - start.elapsed().as_secs_f64();
+        if !self.renderer.finished() && left > 0.0 {
+            self.renderer.run_for(left)?;
             self.fresh = true;
         }
         Ok(())
     }
 
     /// Finds the resolution for this frame: as fine as the frame's time allows after every change, then finer step by
-    /// step when the camera rests, so that there is never long nothing new to see.
-    fn settle(&mut self, seconds: f64) -> Result<(), ViewError> {
-        let divisor = if self.is_moving() || std::mem::take(&mut self.begun) {
-            let pixels = f64::from(self.full[0]) * f64::from(self.full[1]);
-            let needed = (pixels / (self.renderer.rate() * seconds)).sqrt().ceil();
-            // A little too coarse stays: changing the resolution back and forth would flicker.
-            let needed = (needed as u32).clamp(1, COARSEST);
-            if needed + 1 == self.divisor { self.divisor } else { needed }
-        } else if self.renderer.progress().samples > 0 {
-            self.divisor / 2
-        } else {
-            self.divisor
-        };
-        if divisor.max(1) != self.divisor {
-            self.divisor = divisor.max(1);
+    /// step when the camera rests, so that there is never long nothing new to see. Returns whether there was a change.
+    fn settle(&mut self, seconds: f64) -> Result<bool, ViewError> {
+        let changed = std::mem::take(&mut self.begun);
+        if changed {
+            let needed = self.needed_divisor(seconds);
+            // A little too coarse stays: changing the resolution back and forth would flicker. So would the light that
+            // long paths bring, which may take four times as long.
+            let divisor = if needed.saturating_add(1) == self.divisor { self.divisor } else { needed };
+            let bearable = if self.shortened { COARSEST / 2 } else { COARSEST };
+            self.change_quality(divisor, needed > bearable)?;
+        } else if !self.is_moving() && self.renderer.progress().samples > 0 {
+            self.change_quality(self.needed_divisor(seconds).min(self.divisor / 2), false)?;
+        }
+        Ok(changed)
+    }
+
+    /// Smallest divisor with which the device, as fast as it was lately, finishes a sample of every pixel in `seconds`.
+    fn needed_divisor(&self, seconds: f64) -> u32 {
+        let pixels = f64::from(self.full[0]) * f64::from(self.full[1]);
+        (pixels / (self.renderer.rate() * seconds)).sqrt().ceil() as u32
+    }
+
+    /// Begins a film of another resolution or length of paths, if these are others.
+    fn change_quality(&mut self, divisor: u32, shortened: bool) -> Result<(), ViewError> {
+        let divisor = divisor.clamp(1, COARSEST);
+        if (divisor, shortened) != (self.divisor, self.shortened) {
+            (self.divisor, self.shortened) = (divisor, shortened);
             self.restart()?;
             self.begun = false;
         }
         Ok(())
+    }
+
+    /// Lets `trace` add samples in passes of one sample a pixel.
+    fn add_one_sample(&mut self, trace: impl FnOnce(&mut Self) -> Result<(), ViewError>) -> Result<(), ViewError> {
+        self.renderer.set_samples_per_pass(Some(1));
+        let outcome = trace(self);
+        self.renderer.set_samples_per_pass(self.samples_per_pass);
+        self.fresh = true;
+        outcome
+    }
+
+    fn glance(&mut self, seconds: f64) -> Result<(), ViewError> {
+        self.renderer.run_for(seconds)?;
+        Ok(())
+    }
+
+    /// Gives every pixel of a new film a sample, on a coarser film where this one would take much more than `seconds`.
+    fn catch_up(&mut self, seconds: f64) -> Result<(), ViewError> {
+        loop {
+            self.renderer.run_for(seconds)?;
+            if self.renderer.progress().samples > 0 || self.renderer.finished() {
+                return Ok(());
+            }
+            // What was measured meanwhile tells of this view. A film that is nearly fitting is finished: to begin anew
+            // would take as long.
+            let needed = self.needed_divisor(seconds);
+            if needed <= 2 * self.divisor || (self.divisor == COARSEST && self.shortened) {
+                return Ok(self.renderer.finish_pass()?);
+            }
+            self.change_quality(needed, self.shortened || needed > COARSEST)?;
+        }
     }
 
     /// Pixels and size of the picture, if there is a whole one and it has changed since it was last asked for.
@@ -385,7 +455,16 @@ impl Tracer {
 
     /// Size of the film, in pixels.
     pub fn film_size(&self) -> [u32; 2] {
-        self.full.map(|side| (side / self.divisor).max(1))
+        self.full.map(|side| ((side + self.divisor / 2) / self.divisor).max(1))
+    }
+
+    /// Most rays along one path of the film; 0 is no limit, as in scene files.
+    fn film_depth(&self) -> u32 {
+        match self.scene.render.max_depth {
+            0 if self.shortened => SHORT_PATH,
+            depth if self.shortened => depth.min(SHORT_PATH),
+            depth => depth,
+        }
     }
 
     /// Size of the picture at rest, in pixels.

@@ -48,6 +48,8 @@ pub struct Viewer {
     pub(crate) reference: Option<PathBuf>,
     /// Time when a hand last did something.
     pub(crate) untouched: Instant,
+    /// Whether the window has room for panels beside the picture.
+    pub(crate) roomy: bool,
     happened: Happened,
     watch: Option<Watch>,
     kernels: Option<KernelWatch>,
@@ -69,7 +71,9 @@ pub struct Settings {
     pub samples_per_frame: Option<u32>,
     /// Whether the picture is as large as the scene says, whatever the window's size.
     pub scene_size: bool,
-    /// Whether the panels are shown.
+    /// Whether the picture fills the room that there is for it, whatever the proportions of the scene's.
+    pub fill: bool,
+    /// Whether the panels are shown where there is room for them.
     pub panels: bool,
     /// Whether the table of keys is shown.
     pub help: bool,
@@ -113,6 +117,7 @@ impl Viewer {
                 limit: None,
                 samples_per_frame: None,
                 scene_size: false,
+                fill: false,
                 panels: true,
                 help: false,
             },
@@ -125,6 +130,7 @@ impl Viewer {
             outgoing: Outgoing::default(),
             reference: None,
             untouched: Instant::now(),
+            roomy: true,
             happened: Happened::default(),
             watch: None,
             kernels: None,
@@ -133,6 +139,7 @@ impl Viewer {
             document,
         };
         viewer.watch_scene();
+        viewer.notices.done("F1 shows what mouse and keys do");
         viewer.notices.warn_of_scene(&viewer.document.scene().warnings);
         Ok(viewer)
     }
@@ -247,12 +254,18 @@ impl Viewer {
                 self.tracer.set_samples_per_frame(self.settings.samples_per_frame);
             }
             Command::SceneSize(scene_size) => self.settings.scene_size = scene_size,
+            Command::Fill(fill) => self.settings.fill = fill,
             Command::Export(request) => return self.begin_export(&request),
             Command::CancelExport => self.export = None,
             Command::Screenshot(path) => {
                 self.outgoing.screenshot = Some(path.unwrap_or_else(|| self.screenshot_name()))
             }
-            Command::Panels => self.settings.panels = !self.settings.panels,
+            Command::Panels => {
+                self.settings.panels = !self.settings.panels;
+                if self.settings.panels && !self.roomy {
+                    self.notices.done("the panels are shown when the window is wider");
+                }
+            }
             Command::Help => self.settings.help = !self.settings.help,
             Command::CopyCamera => {
                 self.outgoing.text = Some(crate::document::camera_text(self.camera()));
@@ -318,7 +331,12 @@ impl Viewer {
         self.follow_camera(true).inspect_err(|_| self.pilot.jump(before))
     }
 
-    /// Takes over the size of the room for the picture, in pixels; the scene's own size stays if that was chosen.
+    /// Whether the panels are shown.
+    pub(crate) fn shows_panels(&self) -> bool {
+        self.settings.panels && self.roomy
+    }
+
+    /// Takes over the size of the picture's place, in pixels; the scene's own size stays if that was chosen.
     pub(crate) fn resize(&mut self, size: [u32; 2]) -> Result<(), ViewError> {
         if !self.settings.scene_size {
             return self.tracer.set_size(size);
@@ -329,9 +347,10 @@ impl Viewer {
         outcome
     }
 
-    /// Width and height of the picture in a room, in the room's own unit.
+    /// Width and height of the picture in a room, in the room's own unit: the scene's frame, as large as it fits, unless
+    /// all of the room is to be filled.
     pub(crate) fn proportions(&self, width: f32, height: f32) -> [f32; 2] {
-        if !self.settings.scene_size {
+        if self.settings.fill && !self.settings.scene_size {
             return [width, height];
         }
         let render = &self.document.scene().render;
@@ -342,7 +361,7 @@ impl Viewer {
 
     /// Time for which nothing changes by itself.
     pub(crate) fn patience(&self) -> Duration {
-        if self.notices.is_waiting() { Duration::from_millis(500) } else { Duration::MAX }
+        self.notices.patience()
     }
 
     /// Hands the pilot's camera to the tracer.

@@ -106,7 +106,7 @@ wait 1 samples
 select 1
 wait 20 frames
 screenshot before.png
-drag left 676,602 716,602 over 20 frames
+drag left 676,625 716,625 over 20 frames
 wait 3 frames
 save dragged.toml
 undo

@@ -5,9 +5,11 @@
 
 mod denoise;
 mod desk;
+mod frame;
 #[cfg(all(unix, not(target_os = "macos")))]
 mod hands;
 mod hidden;
+mod motion;
 mod refusals;
 mod window;
 
@@ -40,7 +42,7 @@ material = "glass"
 sphere = { center = [1.4, 0.5, 0.8], radius = 0.5 }
 "#;
 
-/// Asserts that the bits of two EXRs are the same.
+/// Asserts that two EXRs are the same, pixels and attributes, byte for byte.
 #[track_caller]
 fn assert_same_picture(a: &Path, b: &Path) {
     let bits = |path| {
@@ -51,4 +53,6 @@ fn assert_same_picture(a: &Path, b: &Path) {
     assert_eq!((a_bits.0, a_bits.1), (b_bits.0, b_bits.1), "sizes differ");
     let different = a_bits.2.iter().zip(&b_bits.2).filter(|(a, b)| a != b).count();
     assert_eq!(different, 0, "pixels differ between {} and {}", a.display(), b.display());
+    let bytes = |path| std::fs::read(path).expect("a picture");
+    assert!(bytes(a) == bytes(b), "attributes differ between {} and {}", a.display(), b.display());
 }

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use raggio_scene::SceneError;
+use raggio_scene::{SceneError, counted};
 
 /// Reason why a document did not change, or was not written. Nothing has changed when one is returned.
 #[derive(Debug, thiserror::Error)]
@@ -19,8 +19,8 @@ pub enum EditError {
         /// Error of the file system.
         source: io::Error,
     },
-    /// An index out of range.
-    #[error("there is no {what} {index}: the scene has {count}, counted from 0")]
+    /// An index out of range; the message counts from 1, as those about the file do.
+    #[error("there is no {what} {}: the scene has {}", index + 1, counted(*count, what))]
     Missing {
         /// Kind of the list, `"shape"` or `"material"`.
         what: &'static str,

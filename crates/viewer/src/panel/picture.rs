@@ -37,14 +37,7 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Ve
         });
         row(ui, "samples", |ui| samples(ui, viewer, commands));
         row(ui, "depth", |ui| depth(ui, viewer, commands));
-        row(ui, "size", |ui| {
-            let mut fixed = viewer.settings.scene_size;
-            let render = &viewer.scene().render;
-            let text = format!("the scene's, {} x {}", render.width, render.height);
-            if ui.checkbox(&mut fixed, text).changed() {
-                commands.push(Command::SceneSize(fixed));
-            }
-        });
+        row(ui, "size", |ui| size(ui, viewer, commands));
         row(ui, "compare", |ui| {
             ui.add_enabled_ui(tone_mapped, |ui| compare(ui, viewer, fields, &mut look, commands));
         });
@@ -64,6 +57,23 @@ fn samples(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
         changed |= ui.add_enabled(!automatic, number).changed();
         if changed {
             commands.push(Command::SamplesPerFrame((!automatic).then_some(count)));
+        }
+    });
+}
+
+/// Draws how the picture's size and frame come about.
+fn size(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        let mut fixed = viewer.settings.scene_size;
+        let render = &viewer.scene().render;
+        let text = format!("the scene's, {} x {}", render.width, render.height);
+        if ui.checkbox(&mut fixed, text).changed() {
+            commands.push(Command::SceneSize(fixed));
+        }
+        let mut fill = viewer.settings.fill;
+        let box_ = ui.add_enabled(!fixed, egui::Checkbox::new(&mut fill, "fill"));
+        if box_.on_hover_text("fills the window; otherwise the frame is the scene's").changed() {
+            commands.push(Command::Fill(fill));
         }
     });
 }

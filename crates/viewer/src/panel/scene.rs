@@ -7,7 +7,7 @@ mod sky;
 use std::path::Path;
 
 use egui::{Color32, Rect, Rgba, ScrollArea, Sense, Ui, vec2};
-use raggio_scene::{Geometry, Material, Scene, Vec3};
+use raggio_scene::{Geometry, Material, Scene, Vec3, counted};
 
 use crate::command::{Command, Edit, Navigate};
 use crate::fields::Fields;
@@ -61,14 +61,15 @@ fn go_to(ui: &mut Ui, viewer: &Viewer) -> bool {
     ui.add_enabled(viewer.outline.is_some(), egui::Button::new("Go to")).on_hover_text("double click").clicked()
 }
 
-/// Name of a shape: its kind or its file, and its place among all.
+/// Name of a shape: its kind or its file, and its place among all, counted from 1 as in messages about the file.
 pub fn shape_name(scene: &Scene, shape: usize) -> String {
+    let number = shape + 1;
     let placement = scene.entries.get(shape).and_then(|entry| entry.placement.as_ref());
     if let Some(file) = placement.map(|placement| Path::new(&placement.file)) {
-        return format!("{} {shape}", file.file_name().unwrap_or_default().display());
+        return format!("{} {number}", file.file_name().unwrap_or_default().display());
     }
     let kind = scene.shapes_of(shape).first().map_or("shape", |shape| shape.geometry.key());
-    format!("{kind} {shape}")
+    format!("{kind} {number}")
 }
 
 fn history(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
@@ -81,8 +82,7 @@ fn history(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         button(ui, "Undo", "Ctrl+Z", viewer.document.can_undo(), Command::Undo);
         button(ui, "Redo", "Ctrl+Shift+Z", viewer.document.can_redo(), Command::Redo);
-        let count = viewer.scene().entries.len();
-        ui.label(egui::RichText::new(format!("{count} {}", if count == 1 { "shape" } else { "shapes" })).weak());
+        ui.label(egui::RichText::new(counted(viewer.scene().entries.len(), "shape")).weak());
     });
 }
 

@@ -1,6 +1,6 @@
 //! Status of the rendering: at the top of the panel, always in sight.
 
-use egui::{DragValue, ProgressBar, RichText, Ui};
+use egui::{Align, DragValue, Layout, ProgressBar, RichText, Ui};
 
 use super::controls::{row, table};
 use crate::command::Command;
@@ -11,7 +11,16 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     ui.add_space(4.0);
     let name = viewer.document.path().file_name().unwrap_or_default().to_string_lossy();
     let unsaved = if viewer.document.is_modified() { " *" } else { "" };
-    ui.heading(format!("{name}{unsaved}"));
+    ui.horizontal(|ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if ui.button("Help (F1)").on_hover_text("what mouse and keys do").clicked() {
+                commands.push(Command::Help);
+            }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.add(egui::Label::new(RichText::new(format!("{name}{unsaved}")).heading()).truncate());
+            });
+        });
+    });
     let progress = viewer.tracer.progress();
     let [width, height] = viewer.tracer.film_size();
     let rate = progress.total_samples as f64 / progress.seconds.max(1e-9);

@@ -58,6 +58,7 @@ pub static WORDS: LazyLock<Vec<(&str, String)>> = LazyLock::new(|| {
         ("reference", "FILE | none"),
         ("compare", &one_of::<Comparison>()),
         ("scene-size", "on | off"),
+        ("fill", "on | off"),
         ("pause", ""),
         ("restart", ""),
         ("stop-at", "SAMPLES | never"),
@@ -156,7 +157,7 @@ fn parameters(word: &str, words: &[&str]) -> Option<Step> {
     let command = match (word, words) {
         ("wait", ["export"]) => return Some(Step::WaitForExport),
         ("wait", ["denoised"]) => return Some(Step::WaitForDenoised),
-        ("wait", [count, "samples"]) => return Some(Step::WaitForSamples(number(count)?)),
+        ("wait", [count, "samples" | "sample"]) => return Some(Step::WaitForSamples(number(count)?)),
         ("wait", [count, what]) if let Ok(what) = what.parse() => {
             return Some(Step::WaitForHappening(what, number(count)?));
         }
@@ -203,6 +204,8 @@ fn parameters(word: &str, words: &[&str]) -> Option<Step> {
         ("compare", [name]) => Command::Compare(name.parse().ok()?),
         ("scene-size", ["on"]) => Command::SceneSize(true),
         ("scene-size", ["off"]) => Command::SceneSize(false),
+        ("fill", ["on"]) => Command::Fill(true),
+        ("fill", ["off"]) => Command::Fill(false),
         ("exposure", [stops]) => Command::Exposure(number(stops)?),
         ("stop-at", ["never"]) => Command::StopAt(None),
         ("stop-at", [samples]) => Command::StopAt(Some(number(samples)?)),
@@ -293,7 +296,7 @@ mod tests {
             drag Shift+middle 1,2 3,4 over 1 s\nwheel -1.5\norbit 90 over 9 frames\nhome\n\
             camera position=[0, 1, 4] look_at=[0,1,0] vertical_fov_degrees=40\npreset blender\nset a.b [1, 0, 0]\nselect 2\ndelete\nduplicate\n\
             add sphere 0,1,2 0.5\nundo\nredo\nsave a b.toml\nreload\nopen x.toml\nview normal\nexposure -1\n\
-            tones agx\ndenoise on\nreference none\ncompare split\nscene-size on\npause\nrestart\nstop-at 5\nsamples-per-frame auto\npanels\nhelp\nexport a.exr 64x48 9\n\
+            tones agx\ndenoise on\nreference none\ncompare split\nscene-size on\nfill on\npause\nrestart\nstop-at 5\nsamples-per-frame auto\npanels\nhelp\nexport a.exr 64x48 9\n\
             screenshot a.png\nsize 64x48\nscale 2\nminimise\nrestore\nsection moving\nlose-device\nquit";
         let words: Vec<_> = examples.lines().map(|line| split(line.trim()).0).collect();
         assert_eq!(words, WORDS.iter().map(|(word, _)| *word).collect::<Vec<_>>());

@@ -1,8 +1,11 @@
+mod slow;
+
 use std::ops::ControlFlow;
 
 use raggio_render::{DeviceChoice, OpenOptions, open};
 
 use super::*;
+use slow::SlowDevice;
 
 fn scene() -> Scene {
     let text = "version = 1\n[camera]\nposition = [0, 1, 4]\nlook_at = [0, 1, 0]\nvertical_fov_degrees = 40\n\
@@ -66,6 +69,74 @@ fn after_a_change_the_picture_is_coarse_at_once_and_whole_soon() {
     assert!(seen, "there is something to see");
     settle(&mut tracer);
     assert_eq!(tracer.film_size(), [900, 700]);
+}
+
+#[test]
+fn however_slow_the_device_each_frame_shows_where_a_moving_camera_is() {
+    const FRAME: f64 = 0.005;
+    for samples_per_second in [1e6, 1e5, 1e4] {
+        let (device, taken) = SlowDevice::new(samples_per_second);
+        let mut tracer = Tracer::new(Box::new(device), &scene(), [640, 360]).expect("the scene loads");
+        let mut shown = vec![];
+        for step in 0..15 {
+            let camera = Camera { position: Vec3::new(0.1 * step as f32, 1.0, 4.0), ..scene().camera };
+            tracer.set_camera(&camera, true).expect("a camera");
+            taken.lock().expect("no panic").clear();
+            tracer.trace(FRAME).expect("it traces");
+            let picture = tracer.display(Look::default()).expect("it displays");
+            let (Pixels::Host(pixels), size) = picture.expect("something new") else { panic!("the pixels are here") };
+            assert_eq!((pixels.len(), size), (size.iter().product::<u32>() as usize, tracer.film_size()));
+            assert!(shown.iter().all(|before| *before != pixels), "frame {step} shows an earlier one");
+            assert!(tracer.progress().samples > 0 && tracer.scene().camera == camera);
+            shown.push(pixels);
+            // As soon as the speed is known, no frame does much more than it has time for.
+            let taken = taken.lock().expect("no panic").iter().sum::<u64>() as f64;
+            let coarsest = (640.0 / 32.0 * 360.0 / 32.0_f64).ceil();
+            let most = 4.0 * f64::max(samples_per_second * FRAME, coarsest);
+            assert!(step == 0 || taken <= most, "{taken} samples in frame {step} at {samples_per_second} a second");
+        }
+    }
+}
+
+#[test]
+fn paths_are_shortened_only_where_the_coarsest_film_is_too_fine_and_until_the_camera_rests() {
+    let depth = |tracer: &Tracer| (tracer.device_scene.settings.max_depth, tracer.scene().render.max_depth);
+    let whole = scene().render.max_depth;
+    assert!(whole > SHORT_PATH);
+    for (samples_per_second, while_moving) in [(1e7, whole), (1e4, SHORT_PATH)] {
+        let (device, _) = SlowDevice::new(samples_per_second);
+        let mut tracer = Tracer::new(Box::new(device), &scene(), [320, 240]).expect("the scene loads");
+        let depths = [0, 1, 2, 3, 4].map(|step| {
+            let camera = Camera { position: Vec3::new(0.1 * step as f32, 1.0, 4.0), ..scene().camera };
+            tracer.set_camera(&camera, true).expect("a camera");
+            tracer.trace(0.003).expect("it traces");
+            depth(&tracer)
+        });
+        // A busy machine may make a fast device slow for a frame or two, though not a slow one fast.
+        let as_expected = depths[1..].iter().filter(|depth| **depth == (while_moving, whole)).count();
+        assert!(as_expected >= if while_moving == whole { 1 } else { 4 }, "{depths:?}");
+        std::thread::sleep(REST);
+        (0..3).for_each(|_| tracer.trace(0.003).expect("it traces"));
+        assert_eq!(depth(&tracer), (whole, whole));
+    }
+}
+
+#[test]
+fn another_view_is_shown_at_once_and_leaves_the_radiance_that_there_is() {
+    let mut tracer = tracer([400, 300]);
+    settle(&mut tracer);
+    (0..20).for_each(|_| tracer.trace(0.005).expect("it traces"));
+    let (before, samples) = tracer.radiance().expect("it traces");
+    for view in [View::Normal, View::Depth, View::Albedo, View::Hit, View::Bounces, View::Radiance] {
+        tracer.set_view(view).expect("a film");
+        // Less time than a sample of every pixel takes.
+        tracer.trace(1e-5).expect("it traces");
+        let look = Look { view, ..Look::default() };
+        let (_, size) = tracer.display(look).expect("it displays").unwrap_or_else(|| panic!("{view} shows nothing"));
+        assert_eq!(size, [400, 300]);
+    }
+    let (after, more) = tracer.radiance().expect("it traces");
+    assert!(more >= samples && after.samples() >= before.samples(), "radiance goes on");
 }
 
 #[test]

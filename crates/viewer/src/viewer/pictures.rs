@@ -3,14 +3,15 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use raggio_render::{Comparison, ImageFile, Pixels, View};
+use raggio_render::{Comparison, ImageFile, Metadata, Pixels, View};
+use raggio_scene::counted;
 
 use super::{Reading, Viewer};
 use crate::clock::Pace;
 use crate::command::ExportRequest;
 use crate::denoising::{Denoised, Denoising};
 use crate::error::ViewError;
-use crate::export::Export;
+use crate::export::{self, Export};
 use crate::look::Look;
 use crate::tracer::Tracer;
 
@@ -101,7 +102,7 @@ impl Viewer {
     /// for the statistics, as long as there is a panel to show them.
     pub(crate) fn read(&mut self, cursor: Option<[f32; 2]>) -> Result<(), ViewError> {
         self.reading = None;
-        if !self.settings.panels {
+        if !self.shows_panels() {
             return Ok(());
         }
         self.tracer.count_rays()?;
@@ -125,11 +126,13 @@ impl Viewer {
         let size = request.size.unwrap_or(self.tracer.full_size());
         let (film, has) = self.tracer.radiance()?;
         let samples = request.samples.unwrap_or(has).max(1);
+        let name = self.document.source().file_name().unwrap_or_default().to_string_lossy();
         if samples == has && size == [film.width(), film.height()] {
-            file.write(&film, display)?;
-            self.notices.done(format!("wrote {}, {samples} samples per pixel", file.path().display()));
+            export::write(&file, &film, display, Metadata::new(self.tracer.scene(), &name))?;
+            let samples = counted(samples as usize, "sample");
+            self.notices.done(format!("wrote {}, {samples} per pixel", file.path().display()));
         } else {
-            self.export = Some(Export::begin(file, &self.tracer, size, samples, display)?);
+            self.export = Some(Export::begin(file, &self.tracer, &name, size, samples, display)?);
         }
         Ok(())
     }

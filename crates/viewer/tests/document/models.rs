@@ -118,7 +118,9 @@ fn a_model_is_opened_as_a_scene_beside_it() {
     let clay = it.scene().entries[1].material;
     it.set_model(1, &moved, clay).unwrap();
     assert!(it.is_modified());
+    assert_eq!(it.source(), model);
     it.save().unwrap();
+    assert_eq!(it.source(), scene);
     assert_eq!(Document::open(&scene).unwrap().scene(), it.scene());
     // A file that is there is not written over.
     assert_eq!(Document::open(&model).unwrap().path(), folder.path().join("it_2.toml"));

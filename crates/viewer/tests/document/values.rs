@@ -30,7 +30,7 @@ fn what_is_no_scene_is_refused_and_changes_nothing() {
             assert!(matches!(it.set_shape(0, &ball([0.0; 3], radius), 0), Err(EditError::Scene(_))));
             assert!(it.add_shape(&ball([0.0; 3], radius), 0).is_err());
         }
-        assert_eq!(it.remove_shape(2).unwrap_err().to_string(), "there is no shape 2: the scene has 2, counted from 0");
+        assert_eq!(it.remove_shape(2).unwrap_err().to_string(), "there is no shape 3: the scene has 2 shapes");
         assert!(it.set_shape(0, &ball([0.0; 3], 1.0), 2).is_err() && it.add_shape(&ball([0.0; 3], 1.0), 2).is_err());
         let material = it.scene().materials[0].clone();
         assert!(it.set_material(2, &material).is_err() && it.duplicate_shape(2).is_err());
