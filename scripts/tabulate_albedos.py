@@ -17,9 +17,9 @@ OUTPUT = Path(__file__).parent.parent / "crates/render/src/translation/device_sc
 
 # Nodes of the tables, equal to those in kernels/materials/albedo.slang.
 WIDTHS, COSINES, INDICES, SHEENS = 16, 32, 20, 16
-STRETCHED_WIDTHS, STRETCHES, STRETCHED_COSINES = 14, 12, 24
+STRETCHED_WIDTHS, STRETCHES, STRETCHED_COSINES = 22, 12, 32
 # Cosines of the azimuth, to the direction along which facets are stretched.
-AZIMUTHS = np.array([0, 0.2, 0.5, 1])
+AZIMUTHS = np.array([0, 0.1, 0.35, 1])
 ROUGHNESS = np.linspace(np.sqrt(1e-3), 1, WIDTHS)
 CONTRAST = np.geomspace(0.003 / 2.003, 0.5, INDICES)
 FACETS = 128 ** 2

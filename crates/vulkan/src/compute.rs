@@ -99,12 +99,13 @@ impl Module {
         self.sets.get(index as usize).map(|(layout, _)| layout)
     }
 
-    /// Makes the pipeline of the entry point `name`, whose specialization constant 0, if it has one, is `constant`.
+    /// Makes the pipeline of the entry point `name`, whose specialization constant is `constant`, if it has one: number 0
+    /// or 1.
     pub fn pipeline(self: &Arc<Self>, name: &str, constant: u32) -> Result<Pipeline, VulkanError> {
         let entry = CString::new(name).unwrap_or_default();
         let constant = constant.to_ne_bytes();
-        let place = [vk::SpecializationMapEntry::default().size(constant.len())];
-        let constants = vk::SpecializationInfo::default().map_entries(&place).data(&constant);
+        let places = [0, 1].map(|id| vk::SpecializationMapEntry::default().constant_id(id).size(constant.len()));
+        let constants = vk::SpecializationInfo::default().map_entries(&places).data(&constant);
         let stage = vk::PipelineShaderStageCreateInfo::default()
             .stage(vk::ShaderStageFlags::COMPUTE)
             .module(self.shader)

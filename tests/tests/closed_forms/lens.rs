@@ -109,3 +109,33 @@ fn points_in_focus_are_sharp() {
         }
     });
 }
+
+/// Where rays are parallel, things are as large far away as near, and a lens blurs them by how far they are from its focus.
+#[test]
+fn parallel_rays_see_no_distance() {
+    const HEIGHT: f64 = 2.0;
+    let pixel = HEIGHT / f64::from(SIZE);
+    for_each_device(|device| {
+        for (distance, aperture) in [(3.0, 0.0), (300.0, 0.0), (FOCUS, 0.3), (2.0 * FOCUS, 0.3)] {
+            let camera =
+                format!("orthographic_height = {HEIGHT}\naperture_radius = {aperture}\nfocus_distance = {FOCUS}");
+            let shape = format!("sphere = {{ center = [0.1, -0.2, {}], radius = 0.25 }}", -distance);
+            let rest =
+                [materials(&[("lamp", "color = [0, 0, 0]\nemission_strength = 1")]), shapes(&[("lamp", &shape)])];
+            let view = View::new([0.0; 3], [0.0, 0.0, -1.0], FOV_DEGREES).size(SIZE, SIZE).depth(1);
+            let found = moments(&device, &view.scene_with("", &camera, &rest.concat()), device.pick(1024, 256));
+            let what = format!("{}: distance {distance}, aperture {aperture}", device.label);
+            let area = PI * 0.25 * 0.25 / (pixel * pixel);
+            assert!((found.light / area - 1.0).abs() < 0.01, "{what}: {} pixels, not {area}", found.light);
+            let middle = f64::from(SIZE) / 2.0;
+            let expected = [middle + 0.1 / pixel, middle + 0.2 / pixel];
+            for (axis, expected) in expected.into_iter().enumerate() {
+                assert!((found.center[axis] - expected).abs() < 0.1, "{what}: {:?}", found.center);
+                // Beyond the focus the lens's disk is seen again, upside down, as large as it is that far before it.
+                let blur = disk(found.variance[axis], 0.25 / pixel);
+                let known = aperture * (distance / FOCUS - 1.0).abs() / pixel;
+                assert!(aperture == 0.0 || (blur - known).abs() < 0.03 * known + 0.7, "{what}: {blur}, not {known}");
+            }
+        }
+    });
+}

@@ -155,7 +155,7 @@ fn kernels_are_compiled_again_when_they_change() {
     }
     let desk = Desk::new(SCENE);
     copy(&project_file("kernels"), &desk.path("kernels"));
-    let script = "panels\nwait 1 samples\nscreenshot ready.png\nwait 1 kernels\nwait 1 samples\nscreenshot after.png\nwait 2 frames";
+    let script = "panels\nfill on\nwait 1 samples\nscreenshot ready.png\nwait 1 kernels\nwait 1 samples\nscreenshot after.png\nwait 2 frames";
     let arguments = ["--device", "vulkan", "--size", "64x64", "--watch-kernels", "kernels"];
     let mut run = desk.start(script, &arguments, None);
     run.wait_for(&desk.path("ready.png"));

@@ -172,7 +172,8 @@ impl Kernels {
             wide: self.context.has_addresses() && buffers.iter().any(|(_, buffer)| buffer.size() > limit),
         };
         let set = self.module(variant)?.bind(SCENE_SET, &buffers)?;
-        Ok(Resident { scene: scene.clone(), buffers, variant, set })
+        let clear = scene.counts.first().map_or(0, |counts| counts.clear);
+        Ok(Resident { scene: scene.clone(), buffers, variant, clear, set })
     }
 
     /// An empty film, in bands.
@@ -224,7 +225,16 @@ struct Resident {
     /// Buffers of the scene, each with its binding.
     buffers: Vec<(u32, Arc<Buffer>)>,
     variant: Variant,
+    /// 1 if light may pass some of its sheets straight.
+    clear: u32,
     set: BindingSet,
+}
+
+impl Resident {
+    /// Constant of the pipelines that add samples.
+    fn constant(&self, entry: EntryPoint) -> u32 {
+        if entry == EntryPoint::Inspect { 0 } else { self.clear }
+    }
 }
 
 /// A run of rows of the film, in a buffer of its own.
@@ -263,7 +273,7 @@ impl Session for VulkanSession {
 
     fn prepare(&mut self) -> Result<(), DeviceError> {
         let entry = sampling(self.integrator, self.films.feature());
-        self.kernels.pipeline(entry, self.resident.variant).map(|_| ())
+        self.kernels.specialized(entry, self.resident.constant(entry), self.resident.variant).map(|_| ())
     }
 
     fn add_samples_until(
@@ -275,7 +285,7 @@ impl Session for VulkanSession {
         // Nothing stops a dispatch: it is as short as the renderer makes it.
         let feature = self.films.feature();
         let entry = sampling(self.integrator, feature);
-        let pipeline = self.kernels.pipeline(entry, self.resident.variant)?;
+        let pipeline = self.kernels.specialized(entry, self.resident.constant(entry), self.resident.variant)?;
         for band in self.films.shown() {
             let first = rows.start.max(band.rows.start);
             let end = rows.end.min(band.rows.end);
