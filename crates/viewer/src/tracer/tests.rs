@@ -103,18 +103,19 @@ fn paths_are_shortened_only_where_the_coarsest_film_is_too_fine_and_until_the_ca
     let depth = |tracer: &Tracer| (tracer.device_scene.settings.max_depth, tracer.scene().render.max_depth);
     let whole = scene().render.max_depth;
     assert!(whole > SHORT_PATH);
-    for (samples_per_second, while_moving) in [(1e7, whole), (1e4, SHORT_PATH)] {
+    for (samples_per_second, while_moving) in [(1e9, whole), (1e4, SHORT_PATH)] {
         let (device, _) = SlowDevice::new(samples_per_second);
         let mut tracer = Tracer::new(Box::new(device), &scene(), [320, 240]).expect("the scene loads");
-        let depths = [0, 1, 2, 3, 4].map(|step| {
+        let depths = (0..20).map(|step| {
             let camera = Camera { position: Vec3::new(0.1 * step as f32, 1.0, 4.0), ..scene().camera };
             tracer.set_camera(&camera, true).expect("a camera");
             tracer.trace(0.003).expect("it traces");
             depth(&tracer)
         });
-        // A busy machine may make a fast device slow for a frame or two, though not a slow one fast.
+        let depths = depths.collect::<Vec<_>>();
+        // A busy machine may make a fast device slow for some frames, though not a slow one fast.
         let as_expected = depths[1..].iter().filter(|depth| **depth == (while_moving, whole)).count();
-        assert!(as_expected >= if while_moving == whole { 1 } else { 4 }, "{depths:?}");
+        assert!(as_expected >= if while_moving == whole { 1 } else { 19 }, "{depths:?}");
         std::thread::sleep(REST);
         (0..3).for_each(|_| tracer.trace(0.003).expect("it traces"));
         assert_eq!(depth(&tracer), (whole, whole));
