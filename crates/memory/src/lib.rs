@@ -71,7 +71,7 @@ fn kibibytes(file: &str, key: &str) -> Option<u64> {
     Some(value.trim_start_matches(':').split_whitespace().next()?.parse::<u64>().ok()? * 1024)
 }
 
-/// What follows `key` in the first line of `file` that begins with it.
+/// Text that follows `key` in the first line of `file` that begins with it.
 fn value(file: &Path, key: &str) -> Option<String> {
     let text = std::fs::read_to_string(file).ok()?;
     text.lines().find_map(|line| line.strip_prefix(key)).map(|rest| rest.trim().to_owned())

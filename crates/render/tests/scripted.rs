@@ -7,7 +7,7 @@ use raggio_render::{
     Session,
 };
 
-/// What a test has to say about a session.
+/// Parts of a session that a test has a say in.
 pub trait Script: Send {
     fn show(&mut self, _feature: Feature) {}
 

@@ -81,9 +81,9 @@ impl Assets {
         };
         let AssetOptions { allow_outside, time_seconds: overriding, .. } = self.options;
         let time_seconds = overriding.or(time_seconds).filter(|_| format.is_animated());
-        let most_bytes = budget(LoadOptions::default().most_bytes);
-        let options = LoadOptions { time_seconds, allow_outside, most_bytes };
         self.models.get_or_read(Key::new(path, time_seconds), |path| {
+            let most_bytes = budget(LoadOptions::default().most_bytes);
+            let options = LoadOptions { time_seconds, allow_outside, most_bytes };
             let model = raggio_models::load(path, &options);
             let model =
                 model.map_err(|error| Trouble { place: error.place, message: names::escaped(&error.message) })?;

@@ -122,7 +122,7 @@ impl Fault {
         }
     }
 
-    /// What the fault has in common with others of its kind: its key and its sentence, without numbers and without names
+    /// Common part of the faults of one kind: the key and its sentence, without numbers and without names
     /// in quotes or brackets.
     pub(crate) fn likeness(&self) -> String {
         let mut likeness = match self.path().pop() {

@@ -25,7 +25,7 @@ pub(crate) struct Review {
     amendments: RefCell<HashMap<*const (), Amendment>>,
 }
 
-/// What is done about a value at fault, so that the next reading finds another fault.
+/// Remedy for a value at fault, so that the next reading finds another fault.
 enum Amendment {
     /// The value of an unknown key is left out.
     LeaveOut,

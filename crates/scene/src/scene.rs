@@ -134,6 +134,16 @@ pub struct Camera {
     pub focus_distance: f32,
 }
 
+impl Camera {
+    /// Half of the picture's height in the scene's units: at the distance 1, or anywhere where rays are parallel.
+    pub fn half_height(&self) -> f64 {
+        match self.orthographic_height {
+            None => (f64::from(self.vertical_fov_degrees).to_radians() / 2.0).tan(),
+            Some(height) => f64::from(height) / 2.0,
+        }
+    }
+}
+
 /// Radiance that arrives from infinitely far away; black when the file has no `[environment]`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Environment {

@@ -94,11 +94,7 @@ fn seen(line: [Vec3; 2], camera: &Camera, area: Rect) -> Option<[Pos2; 2]> {
     // The part behind the camera is cut off.
     let cut = a.lerp(b, (near - depth_a) / (depth_b - depth_a));
     let ends = [if depth_a < near { cut } else { a }, if depth_b < near { cut } else { b }];
-    let half_height = match camera.orthographic_height {
-        None => (f64::from(camera.vertical_fov_degrees).to_radians() / 2.0).tan(),
-        Some(height) => f64::from(height) / 2.0,
-    };
-    let scale = f64::from(area.height()) / 2.0 / half_height;
+    let scale = f64::from(area.height()) / 2.0 / camera.half_height();
     Some(ends.map(|point| {
         // Nothing grows smaller with the distance where rays are parallel.
         let depth = if camera.orthographic_height.is_none() { point.dot(axes.forward).max(near) } else { 1.0 };

@@ -34,7 +34,7 @@ enum Role {
 
 const ROLES: usize = 7;
 
-/// What the samples of a colour mean, the best first.
+/// Meaning of the samples of a colour, the best first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Kind {
     Rgb,

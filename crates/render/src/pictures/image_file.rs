@@ -64,7 +64,7 @@ impl ImageFile {
         Ok(Self { file, format, png_bits: PngBits::Eight })
     }
 
-    /// The same file with so many bits to a channel, if it is a PNG.
+    /// This file with so many bits to a channel, if it is a PNG.
     pub fn with_png_bits(self, png_bits: PngBits) -> Self {
         Self { png_bits, ..self }
     }

@@ -6,8 +6,6 @@ use exr::prelude::{AttributeValue, LayerAttributes, Text};
 use glam::{DMat4, DVec4};
 use raggio_scene::{Camera, RenderSettings, Scene};
 
-use crate::translation::device_scene::half_height;
-
 /// Record of how a picture was made.
 #[derive(Clone, Debug)]
 pub struct Metadata {
@@ -67,7 +65,7 @@ impl Metadata {
 
     /// Map from the camera to the picture, whose top left corner is (0, 0) and whose bottom right one is (1, 1).
     fn ndc_from_camera(&self) -> DMat4 {
-        let half_height = half_height(&self.camera);
+        let half_height = self.camera.half_height();
         let half_width = half_height * f64::from(self.settings.width) / f64::from(self.settings.height);
         let (x, y) = (DVec4::X * (0.5 / half_width), DVec4::Y * (-0.5 / half_height));
         match self.camera.orthographic_height {

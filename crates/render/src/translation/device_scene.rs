@@ -207,7 +207,7 @@ fn device_camera(camera: &Camera, render: &RenderSettings) -> DeviceCamera {
 
     // The inverse of the usual projection, with its planes at 1 and 2: only directions, or places of parallel rays, are
     // taken from it.
-    let half_height = half_height(camera);
+    let half_height = camera.half_height();
     let half_width = half_height * f64::from(render.width) / f64::from(render.height);
     let (x, y) = (DVec4::X * half_width, DVec4::Y * half_height);
     let view_from_clip = match camera.orthographic_height {
@@ -220,14 +220,6 @@ fn device_camera(camera: &Camera, render: &RenderSettings) -> DeviceCamera {
         aperture_radius: camera.aperture_radius,
         focus_distance: camera.focus_distance,
         parallel: u32::from(camera.orthographic_height.is_some()),
-    }
-}
-
-/// Half of the picture's height: at the distance 1, or anywhere where rays are parallel.
-pub(crate) fn half_height(camera: &Camera) -> f64 {
-    match camera.orthographic_height {
-        None => (f64::from(camera.vertical_fov_degrees).to_radians() / 2.0).tan(),
-        Some(height) => f64::from(height) / 2.0,
     }
 }
 
