@@ -73,6 +73,13 @@ fn native() -> &'static str {
     "baseline"
 }
 
+/// Files of the package's folder `cpp` that stand beside the generated ones.
+const WRITTEN_BY_HAND: [(&str, &str); 2] =
+    [("traversal.h", include_str!("../cpp/traversal.h")), ("hook.h", include_str!("../cpp/hook.h"))];
+
+/// Word behind the kernels' parameters in which the host passes its `Traversal`; src/cpu.rs knows it too.
+const TRAVERSAL_WORD: usize = 15;
+
 /// C++ of slangc, in the parts that the C++ compiler gets.
 pub struct Sources {
     prelude: String,
@@ -87,7 +94,11 @@ impl Sources {
         // slangc puts its prelude at the head of the file; the prelude ends with its last conditional.
         let end = text.rfind("#endif").map(|i| i + "#endif".len()).ok_or("slangc's C++ has no prelude")?;
         let (prelude, kernels) = text.split_at(end);
-        let sources = Self { prelude: prelude.into(), kernels: inlined(kernels)?, entry_points: entry_points.to_vec() };
+        let kernels = hooked(&inlined(kernels)?)?;
+        let sources = Self { prelude: prelude.into(), kernels, entry_points: entry_points.to_vec() };
+        for (name, text) in WRITTEN_BY_HAND {
+            write(&out.join(name), text)?;
+        }
         write(&out.join("slang_prelude.h"), &sources.prelude)?;
         write(&out.join("kernels.inc"), &sources.kernels)?;
         Ok(sources)
@@ -127,7 +138,9 @@ impl Sources {
         let recipe = format!("{:?} {:?}", compiler.path(), compiler.args());
         let version = String::from_utf8_lossy(&version.unwrap_or_default()).into_owned();
         let file = if compiler.is_like_msvc() { format!("{library}.lib") } else { format!("lib{library}.a") };
-        cache.get(&[&version, &recipe, &text, &self.prelude, &self.kernels], out, &[file], || {
+        let by_hand = WRITTEN_BY_HAND.map(|(_, text)| text);
+        let sources = [&version, &recipe, &text, &self.prelude, &self.kernels, by_hand[0], by_hand[1]];
+        cache.get(&sources, out, &[file], || {
             build.try_compile(&library).map_err(failed)
         })?;
 
@@ -193,6 +206,69 @@ fn inlined(kernels: &str) -> Result<String, String> {
         names => Err(format!(
             "no function of the kernels begins with {names:?}: correct CALLED in crates/kernels/build/cpp.rs"
         )),
+    }
+}
+
+/// Puts the walk that is written by hand in the place of `trace`: the generated one gets another name, and `cpp/hook.h`
+/// chooses between the two.
+fn hooked(kernels: &str) -> Result<String, String> {
+    const WALK: &str = "walkAsGenerated";
+    let missing = |name: &str| format!("the generated kernels have no function {name} of the form that hook.h expects");
+    let names = |start: &str| {
+        kernels
+            .lines()
+            .filter(|line| line.starts_with("static "))
+            .filter_map(Declaration::read)
+            .find(|declaration| declaration.name.starts_with(start))
+            .ok_or_else(|| missing(start))
+    };
+    let (trace, triangle, first) = (names("trace_")?, names("triangleIsThere_")?, names("firstThere_")?);
+    let [ray, _, _, _, context] = &trace.parameters[..] else { return Err(missing("trace")) };
+    let definition = format!(" {}(", trace.name);
+    let mut text = String::with_capacity(kernels.len() + 4096);
+    for line in kernels.lines() {
+        if line == trace.line {
+            let _ = writeln!(text, "{line};");
+            text += &line.replacen(&definition, &format!(" {WALK}("), 1);
+        } else {
+            text += line;
+        }
+        text.push('\n');
+    }
+    for (name, value) in [
+        ("HIT", trace.result),
+        ("RAY", ray),
+        ("CONTEXT", context),
+        ("TRACE", trace.name),
+        ("WALK", WALK),
+        ("TRIANGLE_IS_THERE", triangle.name),
+        ("FIRST_THERE", first.name),
+        ("TRAVERSAL_WORD", &TRAVERSAL_WORD.to_string()),
+    ] {
+        let _ = writeln!(text, "#define KERNEL_{name} {value}");
+    }
+    text += "#include \"hook.h\"\n";
+    Ok(text)
+}
+
+/// Head of a generated function.
+struct Declaration<'a> {
+    line: &'a str,
+    name: &'a str,
+    result: &'a str,
+    /// Types of the parameters, without what makes pointers of them.
+    parameters: Vec<&'a str>,
+}
+
+impl<'a> Declaration<'a> {
+    fn read(line: &'a str) -> Option<Self> {
+        // Attributes stand before the type of the result.
+        let head = line.rsplit("__attribute__((").next()?;
+        let head = head.split_once(")) ").map_or(head, |(_, head)| head);
+        let (head, parameters) = head.strip_suffix(')')?.split_once('(')?;
+        let (result, name) = head.rsplit_once(' ')?;
+        let parameters = parameters.split(", ").filter_map(|parameter| parameter.split(' ').next()).collect();
+        Some(Self { line, name, result, parameters })
     }
 }
 

@@ -25,6 +25,7 @@ fn main() {
     println!("cargo:rerun-if-changed=build");
     println!("cargo:rerun-if-changed=src/compile");
     println!("cargo:rerun-if-changed=src/cpu");
+    println!("cargo:rerun-if-changed=cpp");
     if let Err(message) = build(&out) {
         // Cargo shows this line even where it folds the rest of a failed build script's output.
         println!("cargo::error={}", message.replace('\n', " "));

@@ -2,8 +2,11 @@
 
 #![allow(unsafe_code)] // The call itself; all that it relies on is checked here.
 
+mod wide;
 #[cfg(target_arch = "x86_64")]
 mod x86;
+
+use wide::WideScene;
 
 use crate::{
     BLOCK, BrokenScene, Comparison, EntryPoint, FILM_WORD, FilmPixel, INPUT_WORD, OUTPUT_WORD, PixelFilter, Probe,
@@ -69,17 +72,45 @@ type Kernel = unsafe extern "C" fn(*const [u32; 3], *const u64);
 
 include!(concat!(env!("OUT_DIR"), "/cpu_table.rs"));
 
+/// Word behind the parameters of the kernels in which hand-written code finds its `Traversal`; build/cpp.rs knows it too.
+const TRAVERSAL_WORD: usize = 15;
+
+/// Way through the hierarchies. All find the same hits, bit for bit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Walk {
+    /// Through nodes of eight children, where processor and scene have them: `cpp/traversal.h`.
+    #[default]
+    Wide,
+    /// Through binary nodes, as on other devices: `kernels/tracing.slang`.
+    Portable,
+}
+
 /// Scene whose indices have been checked, ready for [`dispatch`].
 #[derive(Debug)]
 pub struct CpuScene {
     buffers: SceneBuffers,
+    walk: Walk,
+    wide: Option<WideScene>,
 }
 
 impl CpuScene {
     /// Checks the scene in `buffers`; fails if an index in them points nowhere.
     pub fn new(buffers: SceneBuffers) -> Result<Self, BrokenScene> {
+        Self::with_walk(buffers, Walk::default())
+    }
+
+    /// Scene like that of [`new`](Self::new), through which rays go as `walk` says.
+    pub fn with_walk(buffers: SceneBuffers, walk: Walk) -> Result<Self, BrokenScene> {
         buffers.check()?;
-        Ok(Self { buffers })
+        let mut scene = Self { buffers, walk, wide: None };
+        scene.widen();
+        Ok(scene)
+    }
+
+    /// Makes what the wide walk reads.
+    fn widen(&mut self) {
+        let is_built = cfg!(target_arch = "x86_64") && self.walk == Walk::Wide;
+        self.wide = if is_built { WideScene::new(&self.buffers, self.wide.as_ref()) } else { None };
     }
 
     /// Takes another scene in place of this one; what both share is not checked again. Fails if an index in it points
@@ -87,6 +118,7 @@ impl CpuScene {
     pub fn renew(&mut self, buffers: SceneBuffers) -> Result<(), BrokenScene> {
         buffers.check_after(&self.buffers)?;
         self.buffers = buffers;
+        self.widen();
         Ok(())
     }
 
@@ -162,7 +194,9 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
         |scene: &CpuScene| work.filter != PixelFilter::Tabulated as u32 || !scene.buffers.filter_table.is_empty();
     assert!(scene.is_none_or(drawn), "the scene has no table of the work's filter");
     let block = scene.map_or_else(empty_block, CpuScene::block);
-    let mut globals = [0u64; 16];
+    let traversal = scene.and_then(|scene| Some(scene.wide.as_ref()?.words(&scene.buffers)));
+    let mut globals = [0u64; TRAVERSAL_WORD + 1];
+    globals[TRAVERSAL_WORD] = traversal.as_ref().map_or(0, |words| words.as_ptr() as u64);
     globals[SCENE_WORD] = block.as_ptr() as u64;
     globals[WORK_WORD] = std::ptr::from_ref(work) as u64;
     for (word, address, count) in [

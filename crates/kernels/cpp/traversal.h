@@ -1,0 +1,673 @@
+// Walk through the hierarchies of eight children a node, for x86 processors with AVX2.
+//
+// What decides a hit is the arithmetic of kernels/tracing.slang and kernels/shapes, operation for operation and without
+// fused ones, so that both walks find the same bits; tests hold them to that. What decides which boxes are looked into
+// need only be conservative, and may fuse. Among surfaces at one distance the lowest (shape, triangle) is the nearest, in
+// whatever order they are found.
+//
+// `Holes` answers whether surfaces are there that let part of the light pass: see kernels/coverage.slang.
+#pragma once
+#include <immintrin.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+namespace raggio {
+
+#define RAGGIO_INLINE __attribute__((always_inline)) inline
+
+constexpr uint32_t NONE = 0xffffffffu;
+constexpr float INFINITE = __builtin_inff();
+constexpr float ROUNDING = 5.9604645e-8f;
+
+// ---- What src/cpu/wide.rs makes
+
+/// Boxes of eight children, by planes: lower and upper x, lower and upper y, lower and upper z.
+struct alignas(64) Node {
+    float planes[6][8];
+    uint32_t children[8];
+    uint32_t unused[8];
+};
+static_assert(sizeof(Node) == 256, "");
+
+/// A reference to what is below a child: a node, triangles of a mesh, or a shape of the upper hierarchy.
+constexpr uint32_t LEAF = 0x80000000u;
+/// Triangles: their number less one in four bits, and the place of the first among the mesh's.
+constexpr uint32_t TRIANGLES_SHIFT = 27;
+constexpr uint32_t PLACE = (1u << TRIANGLES_SHIFT) - 1;
+/// Shapes: their kind, and the place of a block of four or of an instance.
+enum Kind : uint32_t { SPHERES = 0, RECTANGLES = 1, BOXES = 2, INSTANCE = 3 };
+
+/// Four closed forms of one kind, transposed; those that are absent have no shape, and NaN for numbers.
+template <int ROWS> struct alignas(16) Block {
+    float rows[ROWS][4];
+    /// Places in `Scene.order`.
+    uint32_t shapes[4];
+    /// Not 0 for shapes that let part of the light pass.
+    uint32_t holes[4];
+};
+typedef Block<4> SphereBlock;     // centre, radius
+typedef Block<14> RectangleBlock; // corner, edges, normal, the edges' squares
+typedef Block<15> BoxBlock;       // centre, half its size, its axes
+
+struct alignas(16) InstanceRecord {
+    /// Columns of the map from the world to the mesh.
+    float columns[4][4];
+    /// The mesh's root, and the places where its nodes and its triangles begin.
+    uint32_t root;
+    uint32_t firstNode;
+    uint32_t firstTriangle;
+    /// Place in `Scene.order`.
+    uint32_t shape;
+    uint32_t holes;
+    /// Not 0 if the map changes nothing.
+    uint32_t identity;
+    uint32_t unused[2];
+};
+static_assert(sizeof(InstanceRecord) == 96, "");
+
+struct PlaneRecord {
+    float point[3];
+    float normal[3];
+    uint32_t shape;
+    uint32_t holes;
+};
+
+/// A corner and the number of a vertex, three times.
+struct TriangleRecord {
+    float corners[3][4];
+};
+
+struct Traversal {
+    const Node* nodes;
+    const Node* meshNodes;
+    const TriangleRecord* triangles;
+    const InstanceRecord* instances;
+    const SphereBlock* spheres;
+    const RectangleBlock* rectangles;
+    const BoxBlock* boxes;
+    const PlaneRecord* planes;
+    uint64_t planeCount;
+    /// NONE if no shape has bounds.
+    uint64_t root;
+};
+
+// ---- Rays and hits
+
+struct TracedRay {
+    float origin[3];
+    float direction[3];
+    uint32_t key;
+    float limit;
+};
+
+struct TracedHit {
+    float distance;
+    uint32_t shape;
+    uint32_t triangle;
+    float barycentrics[2];
+
+    RAGGIO_INLINE bool found() const { return shape != NONE; }
+
+    /// Whether a surface at `t` is nearer. The caller's limit, which no surface is at, is nearer than all at its distance.
+    RAGGIO_INLINE bool isBehind(float t, uint32_t otherShape, uint32_t otherTriangle) const {
+        if (t < distance) return true;
+        return t == distance && found() && (otherShape < shape || (otherShape == shape && otherTriangle < triangle));
+    }
+};
+
+/// A ray as boxes want it: the distance of a plane is plane x reciprocal + near, or + far, each with the room that rounding
+/// needs (kernels/bvh.slang); and as triangles want it (kernels/shapes/mesh.slang).
+struct alignas(16) RaySetup {
+    float reciprocal[4];
+    float near[4];
+    float far[4];
+    /// Offsets in a node of the planes that the ray meets first, along x, y and z.
+    size_t offsets[3];
+    /// Axes across and along the ray, for permuting corners.
+    __m128i axes;
+    float originX, originY, originZ, shearX, shearY, scale;
+};
+
+RAGGIO_INLINE void setUp(__m128 origin, __m128 direction, RaySetup& setup) {
+    const __m128 sign = _mm_set1_ps(-0.0f), tiny = _mm_set1_ps(1e-18f);
+    __m128 size = _mm_andnot_ps(sign, direction);
+    __m128 divisor = _mm_blendv_ps(direction, _mm_or_ps(tiny, _mm_and_ps(sign, direction)), _mm_cmplt_ps(size, tiny));
+    __m128 reciprocal = _mm_div_ps(_mm_set1_ps(1.0f), divisor);
+    __m128 from = _mm_andnot_ps(sign, origin);
+    __m128 largest = _mm_max_ps(_mm_max_ps(from, _mm_shuffle_ps(from, from, 0xc9)), _mm_shuffle_ps(from, from, 0xd2));
+    largest = _mm_shuffle_ps(largest, largest, 0);
+    __m128 room = _mm_xor_ps(_mm_mul_ps(largest, _mm_set1_ps(8.0f * ROUNDING)), _mm_and_ps(sign, reciprocal));
+    _mm_store_ps(setup.reciprocal, reciprocal);
+    _mm_store_ps(setup.near, _mm_xor_ps(sign, _mm_mul_ps(_mm_add_ps(origin, room), reciprocal)));
+    _mm_store_ps(setup.far, _mm_xor_ps(sign, _mm_mul_ps(_mm_sub_ps(origin, room), reciprocal)));
+    unsigned negative = _mm_movemask_ps(reciprocal);
+    setup.offsets[0] = negative & 1 ? 32 : 0;
+    setup.offsets[1] = negative & 2 ? 96 : 64;
+    setup.offsets[2] = negative & 4 ? 160 : 128;
+
+    // The axis along which the ray goes furthest: x where |x| >= |y|, |z|; else y where |y| >= |z|; else z.
+    unsigned notLess = _mm_movemask_ps(_mm_cmpge_ps(size, _mm_shuffle_ps(size, size, 0xc9))); // x >= y, y >= z, z >= x
+    unsigned alsoZ = _mm_movemask_ps(_mm_cmpge_ps(size, _mm_shuffle_ps(size, size, 0xd2)));   // x >= z
+    unsigned along = notLess & alsoZ & 1 ? 0 : notLess & 2 ? 1 : 2;
+    alignas(16) static const int32_t AXES[3][4] = {{1, 2, 0, 3}, {2, 0, 1, 3}, {0, 1, 2, 3}};
+    setup.axes = _mm_load_si128((const __m128i*)AXES[along]);
+    alignas(16) float d[4], o[4];
+    _mm_store_ps(d, _mm_permutevar_ps(direction, setup.axes));
+    _mm_store_ps(o, _mm_permutevar_ps(origin, setup.axes));
+    setup.scale = 1.0f / d[2];
+    setup.shearX = -(d[0] * setup.scale);
+    setup.shearY = -(d[1] * setup.scale);
+    setup.originX = o[0];
+    setup.originY = o[1];
+    setup.originZ = o[2];
+}
+
+// ---- Triangles
+
+/// Difference a.x b.y - a.y b.x of products that agree in most digits: `nearlyEqualProducts` of kernels/shapes/mesh.slang.
+inline float nearlyEqualProducts(float ax, float ay, float bx, float by) {
+    float values[4] = {ax, ay, by, bx};
+    uint32_t bits[4], exponents[4], significands[4];
+    memcpy(bits, values, sizeof bits);
+    for (int i = 0; i < 4; i++) {
+        exponents[i] = bits[i] & 0x7f800000u;
+        significands[i] = (bits[i] & 0x7fffffu) | 0x800000u;
+    }
+    int p = int(exponents[0] >> 23) + int(exponents[2] >> 23), q = int(exponents[1] >> 23) + int(exponents[3] >> 23);
+    bool finerP = p <= q;
+    uint32_t first = significands[0] * significands[2], second = significands[1] * significands[3];
+    int difference = int((first << ((p > q ? p - q : 0) & 31)) - (second << ((q > p ? q - p : 0) & 31)));
+    float units[2];
+    memcpy(&units[0], &exponents[finerP ? 0 : 1], 4);
+    memcpy(&units[1], &exponents[finerP ? 2 : 3], 4);
+    float value = float(difference) * (1.1920929e-7f * units[0]) * units[1];
+    return (bits[0] ^ bits[2]) >> 31 ? -value : value;
+}
+
+struct Rows {
+    __m256 x, y, z;
+};
+
+/// The first three components of eight vectors of four.
+RAGGIO_INLINE Rows transposed(__m256 a, __m256 b, __m256 c, __m256 d) {
+    __m256 low = _mm256_unpacklo_ps(a, b), lowToo = _mm256_unpacklo_ps(c, d);
+    __m256 high = _mm256_unpackhi_ps(a, b), highToo = _mm256_unpackhi_ps(c, d);
+    return {_mm256_shuffle_ps(low, lowToo, 0x44), _mm256_shuffle_ps(low, lowToo, 0xee), _mm256_shuffle_ps(high, highToo, 0x44)};
+}
+
+RAGGIO_INLINE __m256 twice(__m128 v) { return _mm256_insertf128_ps(_mm256_castps128_ps256(v), v, 1); }
+RAGGIO_INLINE __m128 lowHalf(__m256 v) { return _mm256_castps256_ps128(v); }
+RAGGIO_INLINE __m128 highHalf(__m256 v) { return _mm256_extractf128_ps(v, 1); }
+RAGGIO_INLINE __m256 magnitudes(__m256 v) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), v); }
+RAGGIO_INLINE __m128 magnitudes(__m128 v) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), v); }
+
+/// Intersects up to four triangles that stand side by side, the first with the number `first`.
+///
+/// Corners lie as the other kernels read them and are transposed here: that costs less than reading a copy would.
+template <class Holes>
+RAGGIO_INLINE void intersectTriangles(
+    const TriangleRecord* triangles, uint32_t first, unsigned count, const RaySetup& ray, uint32_t shape, bool hasHoles,
+    const Holes& holes, TracedHit& hit)
+{
+    const float* t0 = triangles[first].corners[0];
+    const float* t1 = t0 + (count > 1 ? 12 : 0);
+    const float* t2 = t0 + (count > 2 ? 24 : 0);
+    const float* t3 = t0 + (count > 3 ? 36 : 0);
+    __m128i axes = ray.axes;
+    __m256i axesTwice = _mm256_broadcastsi128_si256(axes);
+    auto two = [&](const float* t) { return _mm256_permutevar_ps(_mm256_loadu_ps(t), axesTwice); };
+    // The third corners of two triangles: both halves of the result are used, so they stand there twice over.
+    auto third = [&](const float* t) { return _mm256_permutevar_ps(_mm256_broadcast_ps((const __m128*)(t + 8)), axesTwice); };
+    Rows ab = transposed(two(t0), two(t1), two(t2), two(t3));
+    Rows cc = transposed(third(t0), third(t1), third(t2), third(t3));
+
+    __m256 originX = _mm256_broadcast_ss(&ray.originX), originY = _mm256_broadcast_ss(&ray.originY),
+           originZ = _mm256_broadcast_ss(&ray.originZ), shearX = _mm256_broadcast_ss(&ray.shearX),
+           shearY = _mm256_broadcast_ss(&ray.shearY);
+    __m256 abZ = _mm256_sub_ps(ab.z, originZ), ccZ = _mm256_sub_ps(cc.z, originZ);
+    __m256 abX = _mm256_add_ps(_mm256_sub_ps(ab.x, originX), _mm256_mul_ps(shearX, abZ));
+    __m256 abY = _mm256_add_ps(_mm256_sub_ps(ab.y, originY), _mm256_mul_ps(shearY, abZ));
+    __m256 ccX = _mm256_add_ps(_mm256_sub_ps(cc.x, originX), _mm256_mul_ps(shearX, ccZ));
+    __m256 ccY = _mm256_add_ps(_mm256_sub_ps(cc.y, originY), _mm256_mul_ps(shearY, ccZ));
+
+    // Edge functions: u of c and b, v of a and c, w of b and a. The difference of b and c is that of c and b, negated.
+    __m256 p = _mm256_mul_ps(abX, ccY), q = _mm256_mul_ps(abY, ccX), d = _mm256_sub_ps(p, q);
+    __m128 aX = lowHalf(abX), aY = lowHalf(abY), bX = highHalf(abX), bY = highHalf(abY);
+    __m128 pw = _mm_mul_ps(bX, aY), qw = _mm_mul_ps(bY, aX);
+    __m128 u = _mm_xor_ps(highHalf(d), _mm_set1_ps(-0.0f)), v = lowHalf(d), w = _mm_sub_ps(pw, qw);
+    const float near = 16.0f * ROUNDING;
+    unsigned close = _mm256_movemask_ps(_mm256_cmp_ps(
+        magnitudes(d), _mm256_mul_ps(_mm256_set1_ps(near), _mm256_add_ps(magnitudes(p), magnitudes(q))), _CMP_LT_OQ));
+    unsigned closeW = _mm_movemask_ps(
+        _mm_cmplt_ps(magnitudes(w), _mm_mul_ps(_mm_set1_ps(near), _mm_add_ps(magnitudes(pw), magnitudes(qw)))));
+    if (__builtin_expect(close | closeW, 0)) {
+        alignas(32) float x[8], y[8], cx[8], cy[8], us[4], vs[4], ws[4];
+        _mm256_store_ps(x, abX), _mm256_store_ps(y, abY), _mm256_store_ps(cx, ccX), _mm256_store_ps(cy, ccY);
+        _mm_store_ps(us, u), _mm_store_ps(vs, v), _mm_store_ps(ws, w);
+        for (; close; close &= close - 1) {
+            int i = __builtin_ctz(close);
+            if (i < 4) vs[i] = nearlyEqualProducts(x[i], y[i], cx[i], cy[i]);
+            else us[i - 4] = nearlyEqualProducts(cx[i], cy[i], x[i], y[i]);
+        }
+        for (; closeW; closeW &= closeW - 1) {
+            int i = __builtin_ctz(closeW);
+            ws[i] = nearlyEqualProducts(x[i + 4], y[i + 4], x[i], y[i]);
+        }
+        u = _mm_load_ps(us), v = _mm_load_ps(vs), w = _mm_load_ps(ws);
+    }
+    __m128 zero = _mm_setzero_ps();
+    __m128 outside = _mm_and_ps(
+        _mm_cmplt_ps(_mm_min_ps(u, _mm_min_ps(v, w)), zero), _mm_cmplt_ps(zero, _mm_max_ps(u, _mm_max_ps(v, w))));
+    __m128 sum = _mm_add_ps(_mm_add_ps(u, v), w);
+    unsigned met = _mm_movemask_ps(_mm_andnot_ps(outside, _mm_cmpneq_ps(sum, zero))) & ((1u << count) - 1);
+    if (!met) return;
+
+    __m128 scale = _mm_broadcast_ss(&ray.scale), inverse = _mm_div_ps(_mm_set1_ps(1.0f), sum);
+    __m128 az = _mm_mul_ps(scale, lowHalf(abZ)), bz = _mm_mul_ps(scale, highHalf(abZ)), cz = _mm_mul_ps(scale, lowHalf(ccZ));
+    __m128 t = _mm_mul_ps(
+        _mm_add_ps(_mm_add_ps(_mm_mul_ps(u, az), _mm_mul_ps(v, bz)), _mm_mul_ps(w, cz)), inverse);
+    met &= _mm_movemask_ps(_mm_and_ps(_mm_cmplt_ps(zero, t), _mm_cmple_ps(t, _mm_set1_ps(hit.distance))));
+    if (!met) return;
+    alignas(16) float distances[4], second[4], third4[4];
+    _mm_store_ps(distances, t), _mm_store_ps(second, _mm_mul_ps(v, inverse)), _mm_store_ps(third4, _mm_mul_ps(w, inverse));
+    do {
+        unsigned i = __builtin_ctz(met);
+        met &= met - 1;
+        if (!hit.isBehind(distances[i], shape, first + i)) continue;
+        if (hasHoles && !holes.triangleIsThere(shape, first + i, second[i], third4[i])) continue;
+        hit = {distances[i], shape, first + i, {second[i], third4[i]}};
+    } while (met);
+}
+
+// ---- Closed forms, four at a time
+
+struct Vector4 {
+    __m128 x, y, z;
+};
+
+RAGGIO_INLINE __m128 dot(const Vector4& a, const Vector4& b) {
+    return _mm_add_ps(_mm_add_ps(_mm_mul_ps(a.x, b.x), _mm_mul_ps(a.y, b.y)), _mm_mul_ps(a.z, b.z));
+}
+RAGGIO_INLINE Vector4 minus(const Vector4& a, const Vector4& b) {
+    return {_mm_sub_ps(a.x, b.x), _mm_sub_ps(a.y, b.y), _mm_sub_ps(a.z, b.z)};
+}
+/// Point `t` along the ray.
+RAGGIO_INLINE Vector4 along(const Vector4& origin, const Vector4& direction, __m128 t) {
+    return {_mm_add_ps(origin.x, _mm_mul_ps(t, direction.x)), _mm_add_ps(origin.y, _mm_mul_ps(t, direction.y)),
+            _mm_add_ps(origin.z, _mm_mul_ps(t, direction.z))};
+}
+template <int ROWS> RAGGIO_INLINE Vector4 rowsOf(const Block<ROWS>& block, int row) {
+    return {_mm_load_ps(block.rows[row]), _mm_load_ps(block.rows[row + 1]), _mm_load_ps(block.rows[row + 2])};
+}
+/// The first of two distances that is in front of the origin, INFINITE if neither is.
+RAGGIO_INLINE __m128 inFront(__m128 near, __m128 far) {
+    const __m128 zero = _mm_setzero_ps(), none = _mm_set1_ps(INFINITE);
+    return _mm_blendv_ps(_mm_blendv_ps(none, far, _mm_cmplt_ps(zero, far)), near, _mm_cmplt_ps(zero, near));
+}
+
+RAGGIO_INLINE __m128 distances(const SphereBlock& block, const Vector4& origin, const Vector4& direction) {
+    const __m128 sign = _mm_set1_ps(-0.0f), zero = _mm_setzero_ps();
+    Vector4 f = minus(origin, rowsOf(block, 0));
+    __m128 radius = _mm_load_ps(block.rows[3]), square = _mm_mul_ps(radius, radius);
+    __m128 b = _mm_xor_ps(dot(f, direction), sign);
+    Vector4 toLine = along(f, direction, b);
+    __m128 discriminant = _mm_sub_ps(square, dot(toLine, toLine));
+    __m128 met = _mm_cmpge_ps(discriminant, zero);
+    if (!_mm_movemask_ps(met)) return _mm_set1_ps(INFINITE);
+    __m128 root = _mm_sqrt_ps(discriminant);
+    __m128 q = _mm_blendv_ps(_mm_add_ps(b, root), _mm_sub_ps(b, root), _mm_cmplt_ps(b, zero));
+    met = _mm_and_ps(met, _mm_cmpneq_ps(q, zero));
+    __m128 other = _mm_div_ps(_mm_sub_ps(dot(f, f), square), q);
+    return _mm_blendv_ps(_mm_set1_ps(INFINITE), inFront(_mm_min_ps(other, q), _mm_max_ps(other, q)), met);
+}
+
+RAGGIO_INLINE __m128 distances(const RectangleBlock& block, const Vector4& origin, const Vector4& direction) {
+    const __m128 zero = _mm_setzero_ps(), none = _mm_set1_ps(INFINITE);
+    Vector4 corner = rowsOf(block, 0), normal = rowsOf(block, 9);
+    __m128 cosine = dot(normal, direction);
+    __m128 t = _mm_div_ps(dot(normal, minus(corner, origin)), cosine);
+    __m128 met = _mm_and_ps(_mm_cmpneq_ps(cosine, zero), _mm_and_ps(_mm_cmplt_ps(zero, t), _mm_cmplt_ps(t, none)));
+    if (!_mm_movemask_ps(met)) return none;
+    Vector4 m = minus(along(origin, direction, t), corner);
+    __m128 u = dot(m, rowsOf(block, 3)), v = dot(m, rowsOf(block, 6));
+    __m128 inside = _mm_and_ps(_mm_and_ps(_mm_cmpge_ps(u, zero), _mm_cmple_ps(u, _mm_load_ps(block.rows[12]))),
+                               _mm_and_ps(_mm_cmpge_ps(v, zero), _mm_cmple_ps(v, _mm_load_ps(block.rows[13]))));
+    return _mm_blendv_ps(none, t, _mm_and_ps(met, inside));
+}
+
+RAGGIO_INLINE __m128 safeReciprocal(__m128 d) {
+    const __m128 tiny = _mm_set1_ps(1e-18f), zero = _mm_setzero_ps();
+    __m128 least = _mm_blendv_ps(tiny, _mm_set1_ps(-1e-18f), _mm_cmplt_ps(d, zero));
+    return _mm_div_ps(_mm_set1_ps(1.0f), _mm_blendv_ps(d, least, _mm_cmplt_ps(magnitudes(d), tiny)));
+}
+
+RAGGIO_INLINE __m128 distances(const BoxBlock& block, const Vector4& origin, const Vector4& direction) {
+    const __m128 sign = _mm_set1_ps(-0.0f), none = _mm_set1_ps(INFINITE);
+    Vector4 from = minus(origin, rowsOf(block, 0));
+    __m128 enter[3], leave[3];
+    for (int axis = 0; axis < 3; axis++) {
+        Vector4 along = rowsOf(block, 6 + 3 * axis);
+        __m128 half = _mm_load_ps(block.rows[3 + axis]), at = dot(from, along), r = safeReciprocal(dot(direction, along));
+        __m128 a = _mm_mul_ps(_mm_sub_ps(_mm_xor_ps(half, sign), at), r), b = _mm_mul_ps(_mm_sub_ps(half, at), r);
+        enter[axis] = _mm_min_ps(a, b);
+        leave[axis] = _mm_max_ps(a, b);
+    }
+    __m128 near = _mm_max_ps(enter[0], _mm_max_ps(enter[1], enter[2]));
+    __m128 far = _mm_min_ps(leave[0], _mm_min_ps(leave[1], leave[2]));
+    return _mm_blendv_ps(inFront(near, far), none, _mm_cmpgt_ps(near, far));
+}
+
+template <int ROWS, class Holes>
+RAGGIO_INLINE void intersectBlock(
+    const Block<ROWS>& block, const float* origin, const float* direction, const Holes& holes, TracedHit& hit)
+{
+    auto all = [](const float* v) { return Vector4{_mm_set1_ps(v[0]), _mm_set1_ps(v[1]), _mm_set1_ps(v[2])}; };
+    __m128 t = distances(block, all(origin), all(direction));
+    unsigned met = _mm_movemask_ps(_mm_and_ps(_mm_cmple_ps(t, _mm_set1_ps(hit.distance)), _mm_cmplt_ps(t, _mm_set1_ps(INFINITE))));
+    if (!met) return;
+    alignas(16) float each[4];
+    _mm_store_ps(each, t);
+    do {
+        unsigned i = __builtin_ctz(met);
+        met &= met - 1;
+        float distance = each[i];
+        uint32_t shape = block.shapes[i];
+        if (shape == NONE || !hit.isBehind(distance, shape, 0)) continue;
+        if (block.holes[i]) {
+            distance = holes.firstThere(shape, distance);
+            if (!hit.isBehind(distance, shape, 0)) continue;
+        }
+        hit = {distance, shape, 0, {0, 0}};
+    } while (met);
+}
+
+/// Planes have no bounds: all are tried.
+template <class Holes>
+RAGGIO_INLINE void intersectPlanes(const Traversal& all, const float* o, const float* d, const Holes& holes, TracedHit& hit)
+{
+    for (uint64_t i = 0; i < all.planeCount; i++) {
+        const PlaneRecord& plane = all.planes[i];
+        const float *n = plane.normal, *p = plane.point;
+        float cosine = (n[0] * d[0] + n[1] * d[1]) + n[2] * d[2];
+        if (cosine == 0.0f) continue;
+        float distance = ((n[0] * (p[0] - o[0]) + n[1] * (p[1] - o[1])) + n[2] * (p[2] - o[2])) / cosine;
+        if (!(distance > 0.0f && distance < INFINITE) || !hit.isBehind(distance, plane.shape, 0)) continue;
+        if (plane.holes) {
+            distance = holes.firstThere(plane.shape, distance);
+            if (!(distance < INFINITE) || !hit.isBehind(distance, plane.shape, 0)) continue;
+        }
+        hit = {distance, plane.shape, 0, {0, 0}};
+    }
+}
+
+// ---- The walk
+
+/// What waits: the bits of the distance at which the ray enters it, over the reference. Distances are not negative, so the
+/// numbers are ordered as they are.
+typedef uint64_t Waiting;
+constexpr unsigned STACK = 8 * 96;
+
+RAGGIO_INLINE uint32_t bitsOf(float x) {
+    uint32_t bits;
+    memcpy(&bits, &x, 4);
+    return bits;
+}
+RAGGIO_INLINE Waiting waiting(float distance, uint32_t reference) { return Waiting(bitsOf(distance)) << 32 | reference; }
+
+/// The child of `node` that the ray enters first becomes `reference`; the others wait, the nearest on top, or in any order
+/// where any hit will do. False if the ray enters none.
+template <bool ANY>
+RAGGIO_INLINE bool enter(const char* node, const RaySetup& ray, float limit, Waiting*& top, uint32_t& reference)
+{
+    auto planes = [&](size_t offset) { return _mm256_load_ps((const float*)(node + offset)); };
+    auto all = [](const float& x) { return _mm256_broadcast_ss(&x); };
+    __m256 rx = all(ray.reciprocal[0]), ry = all(ray.reciprocal[1]), rz = all(ray.reciprocal[2]);
+    __m256 nearX = _mm256_fmadd_ps(planes(ray.offsets[0]), rx, all(ray.near[0]));
+    __m256 nearY = _mm256_fmadd_ps(planes(ray.offsets[1]), ry, all(ray.near[1]));
+    __m256 nearZ = _mm256_fmadd_ps(planes(ray.offsets[2]), rz, all(ray.near[2]));
+    __m256 farX = _mm256_fmadd_ps(planes(ray.offsets[0] ^ 32), rx, all(ray.far[0]));
+    __m256 farY = _mm256_fmadd_ps(planes(ray.offsets[1] ^ 32), ry, all(ray.far[1]));
+    __m256 farZ = _mm256_fmadd_ps(planes(ray.offsets[2] ^ 32), rz, all(ray.far[2]));
+    __m256 near = _mm256_max_ps(_mm256_max_ps(nearX, nearY), _mm256_max_ps(nearZ, _mm256_setzero_ps()));
+    __m256 far = _mm256_min_ps(_mm256_min_ps(farX, farY), _mm256_min_ps(farZ, _mm256_set1_ps(limit)));
+    unsigned met = _mm256_movemask_ps(_mm256_cmp_ps(near, far, _CMP_LE_OQ));
+    if (!met) return false;
+
+    const uint32_t* children = (const uint32_t*)(node + offsetof(Node, children));
+    unsigned i = __builtin_ctz(met);
+    met &= met - 1;
+    reference = children[i];
+    if (!met) return true;
+    alignas(32) float distance[8];
+    _mm256_store_ps(distance, near);
+    unsigned j = __builtin_ctz(met);
+    met &= met - 1;
+    Waiting a = waiting(distance[i], reference), b = waiting(distance[j], children[j]);
+    if (!met) {
+        *top++ = a < b ? b : a;
+        reference = uint32_t(a < b ? a : b);
+        return true;
+    }
+    Waiting* base = top;
+    *top++ = a < b || ANY ? b : a;
+    *top++ = a < b || ANY ? a : b;
+    do {
+        unsigned k = __builtin_ctz(met);
+        met &= met - 1;
+        Waiting c = waiting(distance[k], children[k]);
+        Waiting* place = top++;
+        if (!ANY)
+            for (; place > base && place[-1] < c; place--) *place = place[-1];
+        *place = c;
+    } while (met);
+    reference = uint32_t(*--top);
+    return true;
+}
+
+/// What waits on top becomes `reference`, but for what is beyond `limit`. False if nothing is left above `base`.
+RAGGIO_INLINE bool next(const Waiting* base, float limit, Waiting*& top, uint32_t& reference) {
+    uint32_t bits = bitsOf(limit);
+    while (top != base) {
+        Waiting last = *--top;
+        if (uint32_t(last >> 32) > bits) continue;
+        reference = uint32_t(last);
+        return true;
+    }
+    return false;
+}
+
+/// Triangles of a leaf.
+template <class Holes>
+RAGGIO_INLINE void intersectLeaf(
+    const TriangleRecord* triangles, uint32_t reference, const InstanceRecord& instance, const RaySetup& ray,
+    const Holes& holes, TracedHit& hit)
+{
+    uint32_t first = instance.firstTriangle + (reference & PLACE);
+    unsigned count = ((reference & ~LEAF) >> TRIANGLES_SHIFT) + 1;
+    for (;;) {
+        intersectTriangles(triangles, first, count < 4 ? count : 4, ray, instance.shape, instance.holes != 0, holes, hit);
+        if (count <= 4) return;
+        first += 4;
+        count -= 4;
+    }
+}
+
+/// Origin and direction of the ray in the space of the instance's mesh.
+RAGGIO_INLINE void intoMesh(const InstanceRecord& instance, const float* o, const float* d, __m128& origin, __m128& direction)
+{
+    __m128 x = _mm_load_ps(instance.columns[0]), y = _mm_load_ps(instance.columns[1]), z = _mm_load_ps(instance.columns[2]),
+           offset = _mm_load_ps(instance.columns[3]);
+    auto linear = [&](const float* v) {
+        return _mm_add_ps(
+            _mm_add_ps(_mm_mul_ps(x, _mm_set1_ps(v[0])), _mm_mul_ps(y, _mm_set1_ps(v[1]))), _mm_mul_ps(z, _mm_set1_ps(v[2])));
+    };
+    origin = _mm_add_ps(linear(o), offset);
+    direction = linear(d);
+}
+
+RAGGIO_INLINE __m128 three(const float* v) { return _mm_setr_ps(v[0], v[1], v[2], 0.0f); }
+
+/// Way of one ray through the mesh of an instance, above what waits already.
+template <bool ANY, class Holes>
+RAGGIO_INLINE void walkMesh(
+    const Traversal& all, const InstanceRecord& instance, const RaySetup& ray, const Holes& holes, Waiting* base,
+    TracedHit& hit)
+{
+    const char* nodes = (const char*)(all.meshNodes + instance.firstNode);
+    Waiting* top = base;
+    uint32_t reference = instance.root;
+    do {
+        while (!(reference & LEAF))
+            if (!enter<ANY>(nodes + (size_t(reference) << 8), ray, hit.distance, top, reference)) goto waits;
+        intersectLeaf(all.triangles, reference, instance, ray, holes, hit);
+        if (ANY && hit.found()) return;
+    waits:;
+    } while (next(base, hit.distance, top, reference));
+}
+
+/// Way of one ray through the scene, above a stack of its own.
+template <bool ANY, class Holes>
+RAGGIO_INLINE TracedHit walk(const Traversal& all, const TracedRay& ray, const Holes& holes)
+{
+    TracedHit hit = {ray.limit, NONE, 0, {0, 0}};
+    intersectPlanes(all, ray.origin, ray.direction, holes, hit);
+    uint32_t reference = uint32_t(all.root);
+    if (reference == NONE || (ANY && hit.found())) return hit;
+
+    RaySetup setup;
+    setUp(three(ray.origin), three(ray.direction), setup);
+    Waiting stack[STACK];
+    Waiting* top = stack;
+    do {
+        while (!(reference & LEAF))
+            if (!enter<ANY>((const char*)all.nodes + (size_t(reference) << 8), setup, hit.distance, top, reference)) goto waits;
+        {
+            uint32_t place = reference & PLACE;
+            switch ((reference & ~LEAF) >> TRIANGLES_SHIFT) {
+            case SPHERES: intersectBlock(all.spheres[place], ray.origin, ray.direction, holes, hit); break;
+            case RECTANGLES: intersectBlock(all.rectangles[place], ray.origin, ray.direction, holes, hit); break;
+            case BOXES: intersectBlock(all.boxes[place], ray.origin, ray.direction, holes, hit); break;
+            default: {
+                const InstanceRecord& instance = all.instances[place];
+                if (instance.identity) {
+                    walkMesh<ANY>(all, instance, setup, holes, top, hit);
+                    break;
+                }
+                __m128 origin, direction;
+                intoMesh(instance, ray.origin, ray.direction, origin, direction);
+                RaySetup inside;
+                setUp(origin, direction, inside);
+                walkMesh<ANY>(all, instance, inside, holes, top, hit);
+            }
+            }
+        }
+        if (ANY && hit.found()) return hit;
+    waits:;
+    } while (next(stack, hit.distance, top, reference));
+    return hit;
+}
+
+// ---- Several rays in turn
+
+/// Where a ray is on its way.
+struct Way {
+    TracedRay ray;
+    TracedHit hit;
+    RaySetup world;
+    RaySetup inside;
+    /// That of the hierarchy which the ray is in, and its nodes.
+    const RaySetup* setup;
+    const char* nodes;
+    /// The instance whose mesh that is, or null.
+    const InstanceRecord* instance;
+    /// What waits of that hierarchy begins at `base`; below it waits what is left of the upper one.
+    Waiting* base;
+    Waiting* top;
+    uint32_t reference;
+    bool any;
+    Waiting stack[STACK];
+};
+
+RAGGIO_INLINE void askFor(const void* place) {
+    for (int line = 0; line < 4; line++) _mm_prefetch((const char*)place + 64 * line, _MM_HINT_T0);
+}
+
+/// Sets a way out from its `ray`. False if it has ended already.
+template <class Holes> RAGGIO_INLINE bool begin(const Traversal& all, Way& way, const Holes& holes) {
+    way.hit = {way.ray.limit, NONE, 0, {0, 0}};
+    intersectPlanes(all, way.ray.origin, way.ray.direction, holes, way.hit);
+    way.reference = uint32_t(all.root);
+    if (way.reference == NONE || (way.any && way.hit.found())) return false;
+    setUp(three(way.ray.origin), three(way.ray.direction), way.world);
+    way.setup = &way.world;
+    way.nodes = (const char*)all.nodes;
+    way.instance = nullptr;
+    way.base = way.top = way.stack;
+    return true;
+}
+
+/// Goes on by one node or one leaf, and asks memory for what the next step reads. False if the way has ended.
+template <class Holes> RAGGIO_INLINE bool step(const Traversal& all, Way& way, const Holes& holes) {
+    if (!(way.reference & LEAF)) {
+        const char* node = way.nodes + (size_t(way.reference) << 8);
+        bool enters = way.any ? enter<true>(node, *way.setup, way.hit.distance, way.top, way.reference)
+                              : enter<false>(node, *way.setup, way.hit.distance, way.top, way.reference);
+        if (enters) goto ask;
+    } else if (way.instance) {
+        intersectLeaf(all.triangles, way.reference, *way.instance, *way.setup, holes, way.hit);
+        if (way.any && way.hit.found()) return false;
+    } else {
+        const TracedRay& ray = way.ray;
+        uint32_t place = way.reference & PLACE;
+        switch ((way.reference & ~LEAF) >> TRIANGLES_SHIFT) {
+        case SPHERES: intersectBlock(all.spheres[place], ray.origin, ray.direction, holes, way.hit); break;
+        case RECTANGLES: intersectBlock(all.rectangles[place], ray.origin, ray.direction, holes, way.hit); break;
+        case BOXES: intersectBlock(all.boxes[place], ray.origin, ray.direction, holes, way.hit); break;
+        default: {
+            const InstanceRecord& instance = all.instances[place];
+            if (!instance.identity) {
+                __m128 origin, direction;
+                intoMesh(instance, ray.origin, ray.direction, origin, direction);
+                setUp(origin, direction, way.inside);
+                way.setup = &way.inside;
+            }
+            way.instance = &instance;
+            way.nodes = (const char*)(all.meshNodes + instance.firstNode);
+            way.base = way.top;
+            way.reference = instance.root;
+            goto ask;
+        }
+        }
+        if (way.any && way.hit.found()) return false;
+    }
+    while (!next(way.base, way.hit.distance, way.top, way.reference)) {
+        if (!way.instance) return false;
+        way.setup = &way.world;
+        way.nodes = (const char*)all.nodes;
+        way.instance = nullptr;
+        way.base = way.stack;
+    }
+ask:
+    if (!(way.reference & LEAF)) askFor(way.nodes + (size_t(way.reference) << 8));
+    else if (way.instance) askFor(all.triangles + way.instance->firstTriangle + (way.reference & PLACE));
+    return true;
+}
+
+/// Most rays that are traced in turn: as many as hide one another's waits for memory.
+constexpr unsigned IN_TURN = 16;
+
+/// Traces the rays of `count` ways, no more than IN_TURN, into their hits. `holesOf` answers for each way.
+template <class HolesOf> RAGGIO_INLINE void walkInTurn(const Traversal& all, Way* ways, unsigned count, const HolesOf& holesOf)
+{
+    Way* live[IN_TURN];
+    unsigned left = 0;
+    for (unsigned i = 0; i < count; i++)
+        if (begin(all, ways[i], holesOf(ways[i]))) live[left++] = &ways[i];
+    while (left > 0)
+        for (unsigned i = 0; i < left;)
+            if (step(all, *live[i], holesOf(*live[i]))) i++;
+            else live[i] = live[--left];
+}
+
+} // namespace raggio
