@@ -45,6 +45,8 @@ mod memory;
 mod module;
 mod program;
 mod simplify;
+#[cfg(test)]
+mod tests;
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
