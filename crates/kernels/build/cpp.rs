@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::cache::Cache;
+use crate::lanes::Lanes;
 
 /// Level of instruction set that kernels are compiled for.
 #[derive(Clone, Copy)]
@@ -15,6 +16,8 @@ pub struct Level {
     suffix: &'static str,
     /// Option of the C++ compiler.
     flag: Option<&'static str>,
+    /// Number of paths that kernels follow at once; 1 for kernels of single paths alone.
+    lanes: u32,
     /// Whether a read outside a buffer ends the program.
     checked: bool,
 }
@@ -46,15 +49,18 @@ pub fn levels() -> Result<Vec<Level>, String> {
 }
 
 fn all_levels() -> Vec<Level> {
-    let level = |name, suffix, flag| Level { name, suffix, flag, checked: false };
+    let level = |name, suffix, flag, lanes| Level { name, suffix, flag, lanes, checked: false };
     match std::env::var("CARGO_CFG_TARGET_ARCH").as_deref() {
         Ok("x86_64") => vec![
-            level("X86V4", "v4", Some("-march=x86-64-v4")),
-            level("X86V3", "v3", Some("-march=x86-64-v3")),
-            level("X86V2", "v2", Some("-march=x86-64-v2")),
-            Level { checked: true, ..level("Checked", "checked", Some("-march=x86-64-v2")) },
+            level("X86V4", "v4", Some("-march=x86-64-v4"), 16),
+            level("X86V3", "v3", Some("-march=x86-64-v3"), 8),
+            level("X86V2", "v2", Some("-march=x86-64-v2"), 4),
+            Level { checked: true, ..level("Checked", "checked", Some("-march=x86-64-v2"), 1) },
         ],
-        _ => vec![level("Baseline", "baseline", None), Level { checked: true, ..level("Checked", "checked", None) }],
+        _ => vec![
+            level("Baseline", "baseline", None, 4),
+            Level { checked: true, ..level("Checked", "checked", None, 1) },
+        ],
     }
 }
 
@@ -73,47 +79,83 @@ fn native() -> &'static str {
     "baseline"
 }
 
-/// Files of the package's folder `cpp` that stand beside the generated ones.
-const WRITTEN_BY_HAND: [(&str, &str); 2] =
-    [("traversal.h", include_str!("../cpp/traversal.h")), ("hook.h", include_str!("../cpp/hook.h"))];
+/// Files of the package's folder `cpp`, which stand beside the generated ones.
+const WRITTEN_BY_HAND: [(&str, &str); 6] = [
+    ("rays.h", include_str!("../cpp/rays.h")),
+    ("traversal.h", include_str!("../cpp/traversal.h")),
+    ("hook.h", include_str!("../cpp/hook.h")),
+    ("context.h", include_str!("../cpp/context.h")),
+    ("wave.h", include_str!("../cpp/wave.h")),
+    ("pixels.h", include_str!("../cpp/pixels.h")),
+];
 
 /// Word behind the kernels' parameters in which the host passes its `Traversal`; src/cpu.rs knows it too.
 const TRAVERSAL_WORD: usize = 15;
 
-/// C++ of slangc, in the parts that the C++ compiler gets.
+/// C++ of all kernels, in the parts that the C++ compiler gets.
 pub struct Sources {
     prelude: String,
     kernels: String,
     entry_points: Vec<String>,
+    lanes: Vec<Lanes>,
+}
+
+/// What the C++ compiler gets at once.
+pub struct Unit<'a> {
+    level: &'a Level,
+    /// Kernels for several paths; `None` for those of single paths.
+    lanes: Option<&'a Lanes>,
+}
+
+impl Unit<'_> {
+    /// Name of the library that the unit becomes.
+    fn library(&self) -> String {
+        let part = self.lanes.map_or("kernels", |lanes| lanes.name);
+        format!("raggio_{part}_{}", self.level.suffix)
+    }
 }
 
 impl Sources {
-    /// Splits the file `generated` into prelude and kernels, and writes both into the folder `out`.
-    pub fn split(generated: &Path, entry_points: &[String], out: &Path) -> Result<Self, String> {
+    /// Splits the file `generated` into prelude and kernels, and writes both into the folder `out`, beside `lanes`.
+    pub fn write(generated: &Path, entry_points: &[String], lanes: Vec<Lanes>, out: &Path) -> Result<Self, String> {
         let text = std::fs::read_to_string(generated).map_err(|e| format!("cannot read slangc's C++: {e}"))?;
         // slangc puts its prelude at the head of the file; the prelude ends with its last conditional.
         let end = text.rfind("#endif").map(|i| i + "#endif".len()).ok_or("slangc's C++ has no prelude")?;
         let (prelude, kernels) = text.split_at(end);
         let kernels = hooked(&inlined(kernels)?)?;
-        let sources = Self { prelude: prelude.into(), kernels, entry_points: entry_points.to_vec() };
+        let sources = Self { prelude: prelude.into(), kernels, entry_points: entry_points.to_vec(), lanes };
+        write(&out.join("slang_prelude.h"), &sources.prelude)?;
+        write(&out.join("kernels.inc"), &sources.kernels)?;
+        write(&out.join("lanes.h"), Lanes::RUNTIME)?;
+        for lanes in &sources.lanes {
+            write(&out.join(lanes.file()), &lanes.text)?;
+        }
         for (name, text) in WRITTEN_BY_HAND {
             write(&out.join(name), text)?;
         }
-        write(&out.join("slang_prelude.h"), &sources.prelude)?;
-        write(&out.join("kernels.inc"), &sources.kernels)?;
         Ok(sources)
     }
 
-    /// Compiles the kernels for `level` into a library in the folder `out`, and has it linked.
-    pub fn compile(&self, cache: &Cache, level: &Level, out: &Path) -> Result<(), String> {
-        let library = format!("raggio_kernels_{}", level.suffix);
-        let unit = out.join(format!("{library}.cpp"));
-        let text = translation_unit(level.suffix, &self.entry_points);
-        write(&unit, &text)?;
+    /// All there is to compile for `levels`, what takes longest first.
+    pub fn units<'a>(&'a self, levels: &'a [Level]) -> Vec<Unit<'a>> {
+        let lanes = levels.iter().filter(|level| level.lanes > 1);
+        let lanes = lanes.flat_map(|level| self.lanes.iter().map(move |lanes| Unit { level, lanes: Some(lanes) }));
+        lanes.chain(levels.iter().map(|level| Unit { level, lanes: None })).collect()
+    }
+
+    /// Compiles `unit` into a library in the folder `out`.
+    pub fn compile(&self, cache: &Cache, unit: &Unit<'_>, out: &Path) -> Result<(), String> {
+        let (level, library) = (unit.level, unit.library());
+        let file = out.join(format!("{library}.cpp"));
+        let text = match unit.lanes {
+            Some(lanes) => lanes.translation_unit(level.suffix, level.lanes),
+            None => translation_unit(level.suffix, &self.single(level)),
+        };
+        write(&file, &text)?;
 
         let mut build = cc::Build::new();
-        build.cpp(true).std("c++17").opt_level(3).debug(false).warnings(false).file(&unit);
-        // Kernels use nothing of the C++ library. Lines for cargo are printed below, where results are kept too.
+        build.cpp(true).std("c++17").opt_level(3).debug(false).warnings(false).file(&file);
+        // Kernels use nothing of the C++ library. Lines for cargo are printed by `link`, where results are kept too.
         build.cargo_metadata(false).cpp_link_stdlib(None);
         if level.checked {
             build.define("SLANG_PRELUDE_ENABLE_ASSERT", None);
@@ -134,25 +176,37 @@ impl Sources {
 
         let compiler = build.try_get_compiler().map_err(failed)?;
         let version = Command::new(compiler.path()).arg("--version").output().map(|output| output.stdout);
-        // Flags name no folder, so that all profiles share what is kept: the unit finds its two parts beside it.
+        // Flags name no folder, so that all profiles share what is kept: the unit finds its parts beside it.
         let recipe = format!("{:?} {:?}", compiler.path(), compiler.args());
         let version = String::from_utf8_lossy(&version.unwrap_or_default()).into_owned();
         let file = if compiler.is_like_msvc() { format!("{library}.lib") } else { format!("lib{library}.a") };
-        let by_hand = WRITTEN_BY_HAND.map(|(_, text)| text);
-        let sources = [&version, &recipe, &text, &self.prelude, &self.kernels, by_hand[0], by_hand[1]];
-        cache.get(&sources, out, &[file], || {
-            build.try_compile(&library).map_err(failed)
-        })?;
+        let parts: [&str; 2] = match unit.lanes {
+            Some(lanes) => [Lanes::RUNTIME, &lanes.text],
+            None => [&self.prelude, &self.kernels],
+        };
+        let by_hand = WRITTEN_BY_HAND.iter().map(|&(_, text)| text);
+        let sources: Vec<&str> = [&*version, &recipe, &text].into_iter().chain(parts).chain(by_hand).collect();
+        cache.get(&sources, out, &[file], || build.try_compile(&library).map_err(failed))
+    }
 
+    /// Entry points of kernels of single paths that a level has.
+    fn single(&self, level: &Level) -> Vec<String> {
+        let elsewhere = |entry: &String| level.lanes > 1 && self.lanes.iter().any(|lanes| lanes.name == entry);
+        self.entry_points.iter().filter(|entry| !elsewhere(entry)).cloned().collect()
+    }
+
+    /// Has the libraries of all units of `levels` linked.
+    pub fn link(&self, levels: &[Level], out: &Path) {
         println!("cargo:rustc-link-search=native={}", out.display());
-        println!("cargo:rustc-link-lib=static={library}");
+        for unit in self.units(levels) {
+            println!("cargo:rustc-link-lib=static={}", unit.library());
+        }
         let target = std::env::var("TARGET").unwrap_or_default();
         for variable in ["CXX", "CXXFLAGS"] {
             println!("cargo:rerun-if-env-changed={variable}");
             println!("cargo:rerun-if-env-changed={variable}_{target}");
             println!("cargo:rerun-if-env-changed={variable}_{}", target.replace('-', "_"));
         }
-        Ok(())
     }
 }
 
@@ -223,6 +277,7 @@ fn hooked(kernels: &str) -> Result<String, String> {
             .ok_or_else(|| missing(start))
     };
     let (trace, triangle, first) = (names("trace_")?, names("triangleIsThere_")?, names("firstThere_")?);
+    let add = names("addToFilm_")?;
     let [ray, _, _, _, context] = &trace.parameters[..] else { return Err(missing("trace")) };
     let definition = format!(" {}(", trace.name);
     let mut text = String::with_capacity(kernels.len() + 4096);
@@ -243,6 +298,7 @@ fn hooked(kernels: &str) -> Result<String, String> {
         ("WALK", WALK),
         ("TRIANGLE_IS_THERE", triangle.name),
         ("FIRST_THERE", first.name),
+        ("ADD", add.name),
         ("TRAVERSAL_WORD", &TRAVERSAL_WORD.to_string()),
     ] {
         let _ = writeln!(text, "#define KERNEL_{name} {value}");
@@ -273,8 +329,8 @@ impl<'a> Declaration<'a> {
 }
 
 fn translation_unit(suffix: &str, entry_points: &[String]) -> String {
-    let mut text = String::from(
-        "#include <cmath>\n#include <float.h>\n#include <math.h>\n#include <assert.h>\n#include <stdint.h>\n#include <stdlib.h>\n#include <string.h>\n\
+    let mut text = format!("#define LEVEL {suffix}\n");
+    text += "#include <cmath>\n#include <float.h>\n#include <math.h>\n#include <assert.h>\n#include <stdint.h>\n#include <stdlib.h>\n#include <string.h>\n\
          namespace {\n\
          // The C library's calls are not inlined and cost two thirds of the speed.\n\
          inline float raggio_min(float a, float b) { return a < b ? a : b; }\n\
@@ -285,8 +341,7 @@ fn translation_unit(suffix: &str, entry_points: &[String]) -> String {
          #undef SLANG_PRELUDE_EXPORT\n\
          #define SLANG_PRELUDE_EXPORT static\n\
          #include \"kernels.inc\"\n\
-         }\n",
-    );
+         }\n";
     for entry in entry_points {
         let _ = write!(
             text,

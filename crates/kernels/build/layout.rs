@@ -56,6 +56,53 @@ fn find<'a>(parameters: &'a [Value], name: &str) -> Result<&'a Value, String> {
     parameters.iter().find(|p| p["name"] == name).ok_or(format!("the kernels have no parameter `{name}`"))
 }
 
+/// Places of the kernels' parameters, as a target's reflection gives them.
+pub struct Places {
+    parameters: Vec<Value>,
+}
+
+impl Places {
+    /// Reads the reflection in the file `path`.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        Ok(Self { parameters: parameters(path)? })
+    }
+
+    /// Word of the C++ parameters at which the parameter `name` stands.
+    pub fn word(&self, name: &str) -> Result<u64, String> {
+        let offset = find(&self.parameters, name)?["binding"]["offset"].as_u64();
+        offset.map(|offset| offset / 8).ok_or(format!("`{name}` has no offset"))
+    }
+
+    /// Word of the C++ scene block at which the scene's list of this number stands.
+    pub fn scene_word(&self, list: usize) -> Result<u64, String> {
+        let lists = buffers(find(&self.parameters, "scene")?, "offset")?;
+        lists.get(list).map(|list| list.place / 8).ok_or("the scene has fewer lists in C++ than in SPIR-V".into())
+    }
+
+    /// Number of the scene's list at a place of SPIR-V, if it is one.
+    pub fn scene_list(&self, set: u32, binding: u32) -> Option<usize> {
+        let scene = find(&self.parameters, "scene").ok()?;
+        let own = scene["binding"]["index"].as_u64()? == u64::from(set);
+        let lists = buffers(scene, "index").ok()?;
+        lists.iter().position(|list| own && list.place == u64::from(binding))
+    }
+
+    /// Members of the elements of parameter `name` with the word at which each begins, and `size`, the number of words.
+    pub fn words_of(&self, name: &str) -> Result<Vec<(String, u64)>, String> {
+        let element = element(find(&self.parameters, name)?);
+        let fields = element["fields"].as_array().ok_or(format!("`{name}` has no members"))?;
+        let (mut words, mut end) = (vec![], 0);
+        for field in fields {
+            let number = |key: &str| field["binding"][key].as_u64().ok_or(format!("a member of `{name}` has no {key}"));
+            let offset = number("offset")?;
+            end = offset + number("size")?;
+            words.push((field["name"].as_str().unwrap_or_default().to_owned(), offset / 4));
+        }
+        words.push(("size".to_owned(), end / 4));
+        Ok(words)
+    }
+}
+
 /// Type of the elements that a buffer, constant buffer or parameter block holds.
 fn element(parameter: &Value) -> &Value {
     let kind = &parameter["type"];

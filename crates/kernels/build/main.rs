@@ -5,6 +5,7 @@ mod cpp;
 #[path = "../src/compile/declarations.rs"]
 mod declarations;
 mod jobs;
+mod lanes;
 mod layout;
 mod slang;
 #[path = "../src/compile/slangc.rs"]
@@ -16,9 +17,12 @@ mod x86;
 use std::path::{Path, PathBuf};
 
 use cache::Cache;
+use declarations::Declarations;
 use jobs::Jobs;
+use lanes::Lanes;
+use layout::Places;
 use slang::Slang;
-use slangc::{Target, VARIANTS};
+use slangc::{LANES, Target, VARIANTS};
 
 fn main() {
     let out = PathBuf::from(std::env::var("OUT_DIR").expect("cargo sets OUT_DIR"));
@@ -46,9 +50,19 @@ fn build(out: &Path) -> Result<(), String> {
 
     std::thread::scope(|scope| {
         let machine_code = scope.spawn(|| {
-            jobs.run(|| slang.compile(&cache, Target::Cpp, &cpp))?;
-            let sources = cpp::Sources::split(&cpp, entry_points, out)?;
-            jobs.run_all(levels.iter().map(|level| || sources.compile(&cache, level, out)))?;
+            let lanes: Vec<_> = LANES.iter().map(|(ending, _)| spirv.with_extension(ending)).collect();
+            jobs.run_all([(Target::Cpp, &cpp)].into_iter().chain((0..).map(Target::Lanes).zip(&lanes)).map(
+                |(target, code)| {
+                    let (slang, cache) = (&slang, &cache);
+                    move || slang.compile(cache, target, code)
+                },
+            ))?;
+            let (declarations, places) = (Declarations::read(&slang.kernels)?, Places::read(&cpp.with_extension("json"))?);
+            let translated = Lanes::translate_all(&lanes[0], &declarations, &places)?;
+            let sources = cpp::Sources::write(&cpp, entry_points, translated, out)?;
+            let units = sources.units(&levels);
+            jobs.run_all(units.iter().map(|unit| || sources.compile(&cache, unit, out)))?;
+            sources.link(&levels, out);
             cpp::write_table(&levels, entry_points, out)
         });
         jobs.run_all(VARIANTS.iter().enumerate().map(|(variant, (ending, _))| {

@@ -8,15 +8,10 @@
 // `Holes` answers whether surfaces are there that let part of the light pass: see kernels/coverage.slang.
 #pragma once
 #include <immintrin.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
+#include "rays.h"
 
 namespace raggio {
 
-#define RAGGIO_INLINE __attribute__((always_inline)) inline
-
-constexpr uint32_t NONE = 0xffffffffu;
 constexpr float INFINITE = __builtin_inff();
 constexpr float ROUNDING = 5.9604645e-8f;
 
@@ -88,33 +83,11 @@ struct Traversal {
     const BoxBlock* boxes;
     const PlaneRecord* planes;
     uint64_t planeCount;
-    /// NONE if no shape has bounds.
+    /// NOTHING if no shape has bounds.
     uint64_t root;
 };
 
-// ---- Rays and hits
-
-struct TracedRay {
-    float origin[3];
-    float direction[3];
-    uint32_t key;
-    float limit;
-};
-
-struct TracedHit {
-    float distance;
-    uint32_t shape;
-    uint32_t triangle;
-    float barycentrics[2];
-
-    RAGGIO_INLINE bool found() const { return shape != NONE; }
-
-    /// Whether a surface at `t` is nearer. The caller's limit, which no surface is at, is nearer than all at its distance.
-    RAGGIO_INLINE bool isBehind(float t, uint32_t otherShape, uint32_t otherTriangle) const {
-        if (t < distance) return true;
-        return t == distance && found() && (otherShape < shape || (otherShape == shape && otherTriangle < triangle));
-    }
-};
+// ---- Rays
 
 /// A ray as boxes want it: the distance of a plane is plane x reciprocal + near, or + far, each with the room that rounding
 /// needs (kernels/bvh.slang); and as triangles want it (kernels/shapes/mesh.slang).
@@ -373,7 +346,7 @@ RAGGIO_INLINE void intersectBlock(
         met &= met - 1;
         float distance = each[i];
         uint32_t shape = block.shapes[i];
-        if (shape == NONE || !hit.isBehind(distance, shape, 0)) continue;
+        if (shape == NOTHING || !hit.isBehind(distance, shape, 0)) continue;
         if (block.holes[i]) {
             distance = holes.firstThere(shape, distance);
             if (!hit.isBehind(distance, shape, 0)) continue;
@@ -530,10 +503,10 @@ RAGGIO_INLINE void walkMesh(
 template <bool ANY, class Holes>
 RAGGIO_INLINE TracedHit walk(const Traversal& all, const TracedRay& ray, const Holes& holes)
 {
-    TracedHit hit = {ray.limit, NONE, 0, {0, 0}};
+    TracedHit hit = {ray.limit, NOTHING, 0, {0, 0}};
     intersectPlanes(all, ray.origin, ray.direction, holes, hit);
     uint32_t reference = uint32_t(all.root);
-    if (reference == NONE || (ANY && hit.found())) return hit;
+    if (reference == NOTHING || (ANY && hit.found())) return hit;
 
     RaySetup setup;
     setUp(three(ray.origin), three(ray.direction), setup);
@@ -585,7 +558,8 @@ struct Way {
     Waiting* base;
     Waiting* top;
     uint32_t reference;
-    bool any;
+    /// Place of the ray among all.
+    uint32_t number;
     Waiting stack[STACK];
 };
 
@@ -595,10 +569,10 @@ RAGGIO_INLINE void askFor(const void* place) {
 
 /// Sets a way out from its `ray`. False if it has ended already.
 template <class Holes> RAGGIO_INLINE bool begin(const Traversal& all, Way& way, const Holes& holes) {
-    way.hit = {way.ray.limit, NONE, 0, {0, 0}};
+    way.hit = {way.ray.limit, NOTHING, 0, {0, 0}};
     intersectPlanes(all, way.ray.origin, way.ray.direction, holes, way.hit);
     way.reference = uint32_t(all.root);
-    if (way.reference == NONE || (way.any && way.hit.found())) return false;
+    if (way.reference == NOTHING || (way.ray.any && way.hit.found())) return false;
     setUp(three(way.ray.origin), three(way.ray.direction), way.world);
     way.setup = &way.world;
     way.nodes = (const char*)all.nodes;
@@ -611,12 +585,12 @@ template <class Holes> RAGGIO_INLINE bool begin(const Traversal& all, Way& way, 
 template <class Holes> RAGGIO_INLINE bool step(const Traversal& all, Way& way, const Holes& holes) {
     if (!(way.reference & LEAF)) {
         const char* node = way.nodes + (size_t(way.reference) << 8);
-        bool enters = way.any ? enter<true>(node, *way.setup, way.hit.distance, way.top, way.reference)
+        bool enters = way.ray.any ? enter<true>(node, *way.setup, way.hit.distance, way.top, way.reference)
                               : enter<false>(node, *way.setup, way.hit.distance, way.top, way.reference);
         if (enters) goto ask;
     } else if (way.instance) {
         intersectLeaf(all.triangles, way.reference, *way.instance, *way.setup, holes, way.hit);
-        if (way.any && way.hit.found()) return false;
+        if (way.ray.any && way.hit.found()) return false;
     } else {
         const TracedRay& ray = way.ray;
         uint32_t place = way.reference & PLACE;
@@ -639,7 +613,7 @@ template <class Holes> RAGGIO_INLINE bool step(const Traversal& all, Way& way, c
             goto ask;
         }
         }
-        if (way.any && way.hit.found()) return false;
+        if (way.ray.any && way.hit.found()) return false;
     }
     while (!next(way.base, way.hit.distance, way.top, way.reference)) {
         if (!way.instance) return false;
@@ -654,20 +628,40 @@ ask:
     return true;
 }
 
-/// Most rays that are traced in turn: as many as hide one another's waits for memory.
-constexpr unsigned IN_TURN = 16;
+/// Number of rays that are traced in turn: as many as hide one another's waits for memory.
+constexpr uint32_t IN_TURN = 16;
 
-/// Traces the rays of `count` ways, no more than IN_TURN, into their hits. `holesOf` answers for each way.
-template <class HolesOf> RAGGIO_INLINE void walkInTurn(const Traversal& all, Way* ways, unsigned count, const HolesOf& holesOf)
+/// Traces `count` rays into their hits. `holesOf` answers for each way.
+template <class HolesOf>
+RAGGIO_INLINE void walkInTurn(
+    const Traversal& all, const TracedRay* rays, TracedHit* hits, uint32_t count, const HolesOf& holesOf)
 {
+    static thread_local Way ways[IN_TURN];
     Way* live[IN_TURN];
-    unsigned left = 0;
-    for (unsigned i = 0; i < count; i++)
-        if (begin(all, ways[i], holesOf(ways[i]))) live[left++] = &ways[i];
+    uint32_t next = 0, left = 0;
+    // Whether a way has set out; rays that are done at once leave their hits and make room for others.
+    auto set = [&](Way& way) {
+        while (next < count) {
+            way.number = next;
+            way.ray = rays[next++];
+            if (begin(all, way, holesOf(way))) return true;
+            hits[way.number] = way.hit;
+        }
+        return false;
+    };
+    for (Way& way : ways)
+        if (set(way)) live[left++] = &way;
     while (left > 0)
-        for (unsigned i = 0; i < left;)
-            if (step(all, *live[i], holesOf(*live[i]))) i++;
+        for (uint32_t i = 0; i < left;) {
+            Way& way = *live[i];
+            if (step(all, way, holesOf(way))) {
+                i++;
+                continue;
+            }
+            hits[way.number] = way.hit;
+            if (set(way)) i++;
             else live[i] = live[--left];
+        }
 }
 
 } // namespace raggio

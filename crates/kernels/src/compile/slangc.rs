@@ -24,7 +24,20 @@ pub enum Target {
     Cpp,
     /// SPIR-V of the variant at a place of [`VARIANTS`].
     Spirv(usize),
+    /// SPIR-V that the build script translates for processors, of a variant at a place of [`LANES`].
+    #[allow(dead_code)]
+    Lanes(usize),
 }
+
+/// Variants of the kernels that processors run for several paths at once: the ending of the names of their files, and the
+/// definitions for Slang.
+#[allow(dead_code)]
+pub const LANES: [(&str, &[&str]); 1] = [("lanes.spv", &[])];
+
+/// Files of the kernels that processors run for several paths at once; each has an entry point of its name.
+#[allow(dead_code)]
+pub const LANES_FILES: [&str; 5] =
+    ["stages/renew", "stages/find", "stages/shade", "entry/inspect", "entry/reference"];
 
 impl Target {
     fn arguments(self) -> Vec<&'static str> {
@@ -33,6 +46,9 @@ impl Target {
             Self::Spirv(variant) => {
                 let target = ["-target", "spirv", "-O0", "-fvk-use-entrypoint-name", "-DSPIRV"];
                 [&target, VARIANTS[variant].1].concat()
+            }
+            Self::Lanes(variant) => {
+                [&["-target", "spirv", "-O0", "-fvk-use-entrypoint-name"], LANES[variant].1].concat()
             }
         }
     }
@@ -55,7 +71,10 @@ pub fn entry_points(kernels: &Path) -> Result<Vec<String>, String> {
 
 /// Arguments of the compiler but for the files that it writes.
 pub fn arguments(kernels: &Path, entry_points: &[String], target: Target) -> Vec<OsString> {
-    let files = entry_points.iter().map(|entry| kernels.join(format!("entry/{entry}.slang")).into_os_string());
+    let entries = || entry_points.iter().map(|entry| format!("entry/{entry}")).collect();
+    let files: Vec<String> =
+        if let Target::Lanes(_) = target { LANES_FILES.map(String::from).into() } else { entries() };
+    let files = files.into_iter().map(|file| kernels.join(file + ".slang").into_os_string());
     let folder = ["-I".into(), kernels.into()];
     // C layout and rows first: then SPIR-V, C++ and Rust's repr(C) agree.
     let layout = ["-fvk-use-c-layout", "-matrix-layout-row-major"];

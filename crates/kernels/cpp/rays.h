@@ -1,0 +1,51 @@
+// Rays, and what they find, as hand-written code passes them: `Ray` and `Hit` of kernels/ray.slang begin alike.
+#pragma once
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#define RAGGIO_INLINE __attribute__((always_inline)) inline
+#define RAGGIO_NOINLINE __attribute__((noinline))
+#define RAGGIO_JOINED(a, b) a##b
+#define RAGGIO_NAME(name, level) RAGGIO_JOINED(name, level)
+/// Name of a function of this level of instruction set: LEVEL ends it.
+#define RAGGIO_OF_LEVEL(name) RAGGIO_NAME(name, LEVEL)
+
+namespace raggio {
+
+constexpr uint32_t NOTHING = 0xffffffffu;
+
+struct TracedRay {
+    float origin[3];
+    float direction[3];
+    /// Decides which surfaces are there that let part of the light pass: kernels/coverage.slang.
+    uint32_t key;
+    /// Distance within which there must be a surface.
+    float limit;
+    /// Whether any surface will do.
+    bool any;
+};
+
+struct TracedHit {
+    float distance;
+    uint32_t shape;
+    uint32_t triangle;
+    float barycentrics[2];
+
+    RAGGIO_INLINE bool found() const { return shape != NOTHING; }
+
+    /// Whether a surface at `t` is nearer. The caller's limit, which no surface is at, is nearer than all at its distance.
+    RAGGIO_INLINE bool isBehind(float t, uint32_t otherShape, uint32_t otherTriangle) const {
+        if (t < distance) return true;
+        return t == distance && found() && (otherShape < shape || (otherShape == shape && otherTriangle < triangle));
+    }
+};
+
+} // namespace raggio
+
+// What kernels of single paths do for those of many (hook.h): tracing rays, each into its hit, and adding a sample to the
+// film.
+extern "C" void RAGGIO_OF_LEVEL(raggio_walk_)(
+    const uint64_t* globals, const raggio::TracedRay* rays, raggio::TracedHit* hits, uint32_t count);
+extern "C" void RAGGIO_OF_LEVEL(raggio_add_)(
+    const uint64_t* globals, uint32_t place, float red, float green, float blue, bool valid, uint32_t rays, float weight);
