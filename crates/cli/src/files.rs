@@ -55,16 +55,13 @@ pub fn output_file(path: &Path) -> Result<OutputFile, Failure> {
 /// Checks that no file takes the place of another or of an input, by whatever names and links they are called.
 pub fn check_apart(files: &[OutputFile], inputs: &[PathBuf]) -> Result<(), Failure> {
     // Devices take any number of files.
-    let placed: Vec<_> = files.iter().filter_map(|file| Some((file.path(), file.place()?))).collect();
-    for (i, (path, place)) in placed.iter().enumerate() {
-        let refused = |reason: &str, other: &Path| {
-            Err(Failure::Input(format!("cannot write {}: {reason} {}", display_name(path), display_name(other))))
-        };
-        if let Some(input) = inputs.iter().find(|input| input.canonicalize().is_ok_and(|input| input == *place)) {
-            return refused("it would replace what is read,", input);
-        }
+    let placed: Vec<_> = files.iter().filter_map(|file| Some((file, file.place()?))).collect();
+    for (i, (file, place)) in placed.iter().enumerate() {
+        let path = file.path();
+        file.check_apart(inputs.iter().map(PathBuf::as_path)).map_err(|e| cannot_write(path, &e))?;
         if let Some((other, _)) = placed[..i].iter().find(|(_, taken)| taken == place) {
-            return refused("it would replace what goes to", other);
+            let [path, other] = [path, other.path()].map(display_name);
+            return Err(Failure::Input(format!("cannot write {path}: it would replace what goes to {other}")));
         }
     }
     Ok(())

@@ -23,11 +23,12 @@ pub fn view(arguments: &ViewArguments) -> Result<(), Failure> {
         play: arguments.play.clone(),
         watch_kernels: arguments.watch_kernels.clone(),
         hidden: arguments.hidden,
+        outputs: file.iter().cloned().collect(),
     };
     let report = open(&options)?;
     if let Some(file) = file {
         let text = format!("{:#}\n", stats(&report));
-        file.write(text.as_bytes()).map_err(|e| cannot_write(file.path(), &e))?;
+        file.write_somewhere(text.as_bytes()).map_err(|e| cannot_write(file.path(), &e))?;
     }
     // A script's user is not there to read them on the screen.
     if arguments.play.is_some() && !report.failures.is_empty() {

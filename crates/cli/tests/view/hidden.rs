@@ -103,7 +103,7 @@ fn what_a_hand_drags_is_one_step_to_undo() {
     // The sphere's radius is there in the panel.
     let script = "\
 wait 1 samples
-select 1
+select 2
 wait 20 frames
 screenshot before.png
 drag left 676,625 716,625 over 20 frames

@@ -79,6 +79,14 @@ impl ImageFile {
         &self.file
     }
 
+    /// Checks that the file takes the place of none of `inputs`, as [`OutputFile::check_apart`] does.
+    ///
+    /// # Errors
+    /// An [`OutputError`] that names the input.
+    pub fn check_apart<'a>(&self, inputs: impl IntoIterator<Item = &'a Path>) -> Result<(), OutputError> {
+        self.file.check_apart(inputs).map_err(|source| OutputError::Unwritable { path: self.path().into(), source })
+    }
+
     /// Whether the file can hold layers and metadata beside the picture.
     pub fn has_layers(&self) -> bool {
         self.format.has_layers()
@@ -118,7 +126,7 @@ impl ImageFile {
             }
             (PictureFormat::Exr, _) => write_exr(film, extras, &mut bytes),
         }
-        .and_then(|()| self.file.write(bytes.get_ref()))
+        .and_then(|()| self.file.write_somewhere(bytes.get_ref()))
         .map_err(|source| OutputError::Unwritable { path: self.path().into(), source })
     }
 }

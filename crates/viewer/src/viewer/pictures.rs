@@ -122,6 +122,7 @@ impl Viewer {
             return Ok(());
         }
         let file = ImageFile::new(&request.path)?;
+        file.check_apart(self.document.files())?;
         let display = self.settings.look.of_files();
         let size = request.size.unwrap_or(self.tracer.full_size());
         let (film, has) = self.tracer.radiance()?;
