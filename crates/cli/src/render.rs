@@ -123,7 +123,7 @@ fn run(
         let stats = Stats { device: &device.name(), rendered: &rendered, settings: &scene.render, setup_seconds };
         outcome = both(outcome, stats.write(file));
     }
-    failure.map_or(outcome, |error| Err(error.into()))?;
+    both(outcome, failure.map_or(Ok(()), |error| Err(error.into())))?;
     if interrupted.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
 }
 
