@@ -189,7 +189,7 @@ impl Target {
 
 /// Whether the file at `place`, a path without links, is the one called `other`.
 fn is_same_file(place: &Path, other: &Path) -> bool {
-    // A folder that is mounted twice has two canonical paths.
+    // A folder that is mounted twice has two canonical paths, and a file with two names (hard links) is meant to be one.
     #[cfg(unix)]
     if let (Ok(there), Ok(other)) = (place.metadata(), other.metadata()) {
         use std::os::unix::fs::MetadataExt;
