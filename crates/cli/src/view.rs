@@ -30,7 +30,7 @@ pub fn view(arguments: &ViewArguments) -> Result<(), Failure> {
     let report = open(&options)?;
     if let Some(file) = file {
         let text = format!("{:#}\n", stats(&report));
-        file.write_somewhere(text.as_bytes()).map_err(|e| cannot_write(file.path(), &e))?;
+        file.write(text.as_bytes()).map_err(|e| cannot_write(file.path(), &e))?;
     }
     // A script's user is not there to read them on the screen.
     if arguments.play.is_some() && !report.failures.is_empty() {

@@ -69,6 +69,11 @@ impl ImageFile {
         Self { png_bits, ..self }
     }
 
+    /// This file with `folder` as its refuge, as [`OutputFile::with_refuge`] has it.
+    pub fn with_refuge(self, folder: &Path) -> Self {
+        Self { file: self.file.with_refuge(folder), ..self }
+    }
+
     /// Path of the file.
     pub fn path(&self) -> &Path {
         self.file.path()
@@ -126,7 +131,7 @@ impl ImageFile {
             }
             (PictureFormat::Exr, _) => write_exr(film, extras, &mut bytes),
         }
-        .and_then(|()| self.file.write_somewhere(bytes.get_ref()))
+        .and_then(|()| self.file.write(bytes.get_ref()))
         .map_err(|source| OutputError::Unwritable { path: self.path().into(), source })
     }
 }

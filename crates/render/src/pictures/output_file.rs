@@ -12,7 +12,7 @@ use tempfile::NamedTempFile;
 /// Most links that are followed from a name to a file, as systems have it.
 const MOST_LINKS: usize = 40;
 
-/// Most names that are tried for a file in the current folder.
+/// Most names that are tried for a file in its refuge.
 const MOST_NAMES: usize = 1000;
 
 /// Paths of temporary files.
@@ -28,6 +28,7 @@ static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 pub struct OutputFile {
     path: PathBuf,
     target: Target,
+    refuge: Option<PathBuf>,
 }
 
 /// Place that a name leads to.
@@ -49,7 +50,7 @@ impl OutputFile {
         if let Target::File(place) = &target {
             Temporary::beside(place)?;
         }
-        Ok(Self { path: path.into(), target })
+        Ok(Self { path: path.into(), target, refuge: None })
     }
 
     /// Path of the file, as it was given.
@@ -77,38 +78,32 @@ impl OutputFile {
         }
     }
 
-    /// Writes the file. A folder that has vanished since the place was found is made again.
-    ///
-    /// # Errors
-    /// The system's error when the file cannot be written; nothing is left of it then.
-    pub fn write(&self, bytes: &[u8]) -> io::Result<()> {
-        if let Some(folder) = self.place().and_then(Path::parent) {
-            std::fs::create_dir_all(folder)?;
-        }
-        self.target.write(|file| file.write_all(bytes))
+    /// This file with `folder` as its refuge: what cannot be written to its place goes there, under its name or the next
+    /// that is free. A folder that is not there is no refuge.
+    pub fn with_refuge(self, folder: &Path) -> Self {
+        Self { refuge: folder.canonicalize().ok(), ..self }
     }
 
-    /// Writes the file, or else one of its name in the current folder that replaces nothing there: what took hours is not
-    /// lost for somebody's tidiness.
+    /// Writes the file. A folder that has vanished since the place was found is made again: what took hours is not lost
+    /// for somebody's tidiness.
     ///
     /// # Errors
-    /// The system's error when the file cannot be written where it should be, with the name of the other file if there is
-    /// one.
-    pub fn write_somewhere(&self, bytes: &[u8]) -> io::Result<()> {
-        self.write(bytes).map_err(|error| match self.rescue(bytes) {
+    /// The system's error when the file cannot be written to its place; it names the file in the refuge if there is one,
+    /// and otherwise nothing is left of it.
+    pub fn write(&self, bytes: &[u8]) -> io::Result<()> {
+        let folder = self.place().and_then(Path::parent).map_or(Ok(()), std::fs::create_dir_all);
+        let written = folder.and_then(|()| self.target.write(|file| file.write_all(bytes)));
+        written.map_err(|error| match self.rescue(bytes) {
             Some(path) => io::Error::new(error.kind(), format!("{error}: it is in {} instead", display_name(&path))),
             None => error,
         })
     }
 
-    /// Writes a file into the current folder, if that is another one than the file's own. Returns its name there.
+    /// Writes a file into the refuge, if that is another folder than the file's own. Returns its name there.
     fn rescue(&self, bytes: &[u8]) -> Option<PathBuf> {
         let name = Path::new(self.place()?.file_name()?);
-        let folder = std::env::current_dir().and_then(|folder| folder.canonicalize()).ok()?;
-        if self.place()?.parent() == Some(&folder) {
-            return None;
-        }
-        let mut temporary = Temporary::new(&folder).ok()?;
+        let folder = self.refuge.as_deref().filter(|folder| self.place().and_then(Path::parent) != Some(folder))?;
+        let mut temporary = Temporary::new(folder).ok()?;
         temporary.file().and_then(|file| file.write_all(bytes).and_then(|()| file.sync_all())).ok()?;
         let ending = name.extension().map(|ending| format!(".{}", ending.to_string_lossy())).unwrap_or_default();
         let stem = name.file_stem()?.to_string_lossy();
