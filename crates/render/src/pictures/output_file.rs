@@ -28,6 +28,7 @@ static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 pub struct OutputFile {
     path: PathBuf,
     target: Target,
+    /// Folder for what cannot be written to its place.
     refuge: Option<PathBuf>,
 }
 
