@@ -29,13 +29,14 @@ pub struct Wanted<'a> {
 impl Files {
     /// Finds out whether all can be written without taking the place of one another or of one of `inputs`.
     pub fn new(wanted: &Wanted, inputs: &[PathBuf]) -> Result<Self, Failure> {
-        let picture = |path: &PathBuf| Ok(ImageFile::new(path)?.with_png_bits(wanted.png_bits));
+        let picture = |path: &PathBuf| Ok(ImageFile::new(path)?.with_png_bits(wanted.png_bits).with_refuge(here()));
         let pictures = wanted.pictures.iter().map(picture).collect::<Result<Vec<_>, Failure>>()?;
         if wanted.has_layers && !pictures.iter().any(ImageFile::has_layers) {
             return Err(Failure::Input("--aov writes layers, which only .exr has: name one with -o".into()));
         }
         let beside = if wanted.denoise {
-            pictures.iter().map(ImageFile::denoised).collect::<Result<Vec<_>, _>>()?
+            let beside = pictures.iter().map(|file| Ok(file.denoised()?.with_refuge(here())));
+            beside.collect::<Result<Vec<_>, Failure>>()?
         } else {
             vec![]
         };
@@ -49,22 +50,25 @@ impl Files {
 
 /// A file other than a picture, which can be written to.
 pub fn output_file(path: &Path) -> Result<OutputFile, Failure> {
-    OutputFile::new(path).map_err(|e| cannot_write(path, &e))
+    let file = OutputFile::new(path).map_err(|e| cannot_write(path, &e))?;
+    Ok(file.with_refuge(here()))
+}
+
+/// The current folder, the refuge of all files.
+fn here() -> &'static Path {
+    Path::new(".")
 }
 
 /// Checks that no file takes the place of another or of an input, by whatever names and links they are called.
 pub fn check_apart(files: &[OutputFile], inputs: &[PathBuf]) -> Result<(), Failure> {
     // Devices take any number of files.
-    let placed: Vec<_> = files.iter().filter_map(|file| Some((file.path(), file.place()?))).collect();
-    for (i, (path, place)) in placed.iter().enumerate() {
-        let refused = |reason: &str, other: &Path| {
-            Err(Failure::Input(format!("cannot write {}: {reason} {}", display_name(path), display_name(other))))
-        };
-        if let Some(input) = inputs.iter().find(|input| input.canonicalize().is_ok_and(|input| input == *place)) {
-            return refused("it would replace what is read,", input);
-        }
+    let placed: Vec<_> = files.iter().filter_map(|file| Some((file, file.place()?))).collect();
+    for (i, (file, place)) in placed.iter().enumerate() {
+        let path = file.path();
+        file.check_apart(inputs.iter().map(PathBuf::as_path)).map_err(|e| cannot_write(path, &e))?;
         if let Some((other, _)) = placed[..i].iter().find(|(_, taken)| taken == place) {
-            return refused("it would replace what goes to", other);
+            let [path, other] = [path, other.path()].map(display_name);
+            return Err(Failure::Input(format!("cannot write {path}: it would replace what goes to {other}")));
         }
     }
     Ok(())

@@ -52,7 +52,8 @@ pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
         denoise: request.denoise,
         stats: arguments.stats.as_deref(),
     };
-    let inputs: Vec<_> = std::iter::once(arguments.scene.as_path()).chain(assets.files()).map(PathBuf::from).collect();
+    let inputs: Vec<_> =
+        std::iter::once(arguments.scene.as_path()).chain(assets.all_files()).map(PathBuf::from).collect();
     let files = Files::new(&wanted, &inputs)?;
     run(start, scene, request, &files, &arguments.machine, &arguments.overrides)
 }
@@ -116,13 +117,13 @@ fn run(
     if let (Some((denoiser, beside)), None) = (&files.denoised, &failure) {
         reporter.say("denoising");
         let denoised = picture.denoised(denoiser).map_err(Failure::from);
-        outcome = outcome.and(denoised.and_then(|picture| write(&picture, beside, files.display, &reporter)));
+        outcome = both(outcome, denoised.and_then(|picture| write(&picture, beside, files.display, &reporter)));
     }
     if let Some(file) = &files.stats {
         let stats = Stats { device: &device.name(), rendered: &rendered, settings: &scene.render, setup_seconds };
-        outcome = outcome.and(stats.write(file));
+        outcome = both(outcome, stats.write(file));
     }
-    failure.map_or(outcome, |error| Err(error.into()))?;
+    both(outcome, failure.map_or(Ok(()), |error| Err(error.into())))?;
     if interrupted.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
 }
 
@@ -145,16 +146,27 @@ fn ready<T>(quiet: bool, prepare: impl FnOnce() -> Result<T, DeviceError>) -> Re
 /// Writes a picture to all of `files`.
 ///
 /// # Errors
-/// The first failure; the other files are written nevertheless.
+/// The last failure; those before it are told, and the other files are written nevertheless.
 fn write(picture: &Picture, files: &[ImageFile], display: Display, reporter: &Reporter) -> Result<(), Failure> {
     let mut outcome = Ok(());
     for file in files {
         match picture.write(file, display) {
             Ok(()) => reporter.say(&format!("wrote {}", display_name(file.path()))),
-            Err(error) => outcome = outcome.and(Err(error.into())),
+            Err(error) => outcome = both(outcome, Err(error.into())),
         }
     }
     outcome
+}
+
+/// The last failure of two outcomes; one before another is told at once.
+fn both(first: Result<(), Failure>, second: Result<(), Failure>) -> Result<(), Failure> {
+    match (first, second) {
+        (Err(first), Err(second)) => {
+            say(format_args!("error: {first}"));
+            Err(second)
+        }
+        (first, second) => first.and(second),
+    }
 }
 
 /// Reports progress, and breaks off when the user has interrupted.
@@ -205,6 +217,7 @@ fn on_interrupt(stop: Arc<AtomicBool>) -> Arc<AtomicBool> {
     // Without a handler Ctrl-C still works, it only keeps nothing.
     let _ = ctrlc::set_handler(move || {
         if seen.swap(true, Ordering::Relaxed) {
+            raggio_render::abandon_files();
             std::process::exit(130);
         }
         stop.store(true, Ordering::Relaxed);

@@ -13,6 +13,8 @@ use crate::files::{check_apart, output_file};
 pub fn view(arguments: &ViewArguments) -> Result<(), Failure> {
     let file = arguments.stats.as_deref().map(output_file).transpose()?;
     check_apart(file.as_slice(), &inputs(arguments))?;
+    #[cfg(unix)]
+    leave_nothing_half_written();
     let options = Options {
         scene: arguments.scene.clone(),
         assets: arguments.assets.options(None),
@@ -23,6 +25,7 @@ pub fn view(arguments: &ViewArguments) -> Result<(), Failure> {
         play: arguments.play.clone(),
         watch_kernels: arguments.watch_kernels.clone(),
         hidden: arguments.hidden,
+        outputs: file.iter().cloned().collect(),
     };
     let report = open(&options)?;
     if let Some(file) = file {
@@ -34,6 +37,20 @@ pub fn view(arguments: &ViewArguments) -> Result<(), Failure> {
         return Err(Failure::Input(report.failures.join("\nerror: ")));
     }
     Ok(())
+}
+
+/// Has an interrupt or termination signal remove what is being written, before it ends the program as it always does.
+#[cfg(unix)]
+fn leave_nothing_half_written() {
+    use signal_hook::consts::{SIGINT, SIGTERM};
+    // Without a handler they still end the program.
+    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) else { return };
+    std::thread::spawn(move || {
+        for signal in signals.forever() {
+            raggio_render::abandon_files();
+            let _ = signal_hook::low_level::emulate_default_handler(signal);
+        }
+    });
 }
 
 fn inputs(arguments: &ViewArguments) -> Vec<PathBuf> {

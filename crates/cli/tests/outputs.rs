@@ -126,6 +126,47 @@ fn inputs_are_not_replaced() {
 }
 
 #[test]
+fn what_a_model_names_is_not_replaced() {
+    let folder = folder_with(SCENE);
+    let there = |name: &str| folder.path().join(name);
+    assert!(raggio(folder.path(), &["render", "scene.toml", "--device", "cpu", "-o", "t.png"]).status.success());
+    std::fs::write(there("a.mtl"), "newmtl m\nmap_Kd t.png\n").expect("a library");
+    let model = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";
+    std::fs::write(there("a.obj"), model).expect("a model");
+    std::fs::write(there("a.bin"), [0, 0, 0, 1, 0, 0, 0, 1, 0].map(|x| f32::to_le_bytes(x as f32)).concat())
+        .expect("a buffer");
+    let gltf = r#"{ "asset": { "version": "2.0" }, "buffers": [{ "byteLength": 36, "uri": "a.bin" }],
+        "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+        "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
+        "nodes": [{ "mesh": 0 }], "scenes": [{ "nodes": [0] }], "scene": 0 }"#;
+    std::fs::write(there("a.gltf"), gltf).expect("a model");
+    let shape = |file: &str| format!("[[shapes]]\nmaterial = \"clay\"\nmesh = {{ file = \"{file}\" }}\n");
+    std::fs::write(there("scene.toml"), endless() + &shape("a.obj") + &shape("a.gltf")).expect("a scene");
+    let before = ["t.png", "a.mtl", "a.bin"].map(|name| std::fs::read(there(name)).expect("a file"));
+    let refused = |scene: &str, arguments: &[&str], name: &str| {
+        let render = ["render", scene, "--device", "cpu", "--samples", "2000000000"];
+        let output = raggio(folder.path(), &[&render, arguments].concat());
+        assert_refused(&output, &format!("cannot write {name}: it would replace what is read, "));
+    };
+    for scene in ["scene.toml", "a.obj"] {
+        refused(scene, &["-o", "t.png"], "t.png");
+        refused(scene, &["--stats", "./a.mtl"], "./a.mtl");
+    }
+    refused("scene.toml", &["--stats", "a.bin"], "a.bin");
+    refused("a.gltf", &["--stats", "a.bin"], "a.bin");
+    #[cfg(unix)]
+    {
+        std::fs::hard_link(there("t.png"), there("same.png")).expect("a link");
+        refused("a.obj", &["-o", "same.png"], "same.png");
+    }
+    std::fs::write(there("a.play"), "wait 1 frames\n").expect("a script");
+    let view = ["view", "scene.toml", "--hidden", "--play", "a.play", "--stats", "a.mtl"];
+    assert_refused(&raggio(folder.path(), &view), "cannot write a.mtl: it would replace what is read, ");
+    assert_eq!(["t.png", "a.mtl", "a.bin"].map(|name| std::fs::read(there(name)).expect("a file")), before);
+}
+
+#[test]
 fn figures_of_a_script_replace_neither_it_nor_its_scene() {
     let folder = folder_with(SCENE);
     std::fs::write(folder.path().join("a.play"), "wait 1 frames\n").expect("a script");
@@ -284,6 +325,43 @@ mod unix {
         assert!(said.contains(&"wrote out/deep/a.png".to_string()), "{said:?}");
         assert!(image::open(folder.path().join("out/deep/a.png")).is_ok());
         assert!(folder.path().join("out/s.json").exists());
+    }
+
+    #[test]
+    fn a_picture_whose_folder_cannot_be_made_again_is_in_the_current_one() {
+        let folder = folder_with(&endless());
+        let there = |name: &str| folder.path().join(name);
+        std::fs::create_dir_all(there("out/deep")).expect("a folder");
+        std::fs::write(there("a.png"), "older").expect("a file");
+        let mut child = Command::new(env!("CARGO_BIN_EXE_raggio"))
+            .args(["render", "scene.toml", "--device", "cpu", "-o", "out/deep/a.png", "-o", "out/deep/b.exr"])
+            .args(["-o", "c.png", "--stats", "out/s.json"])
+            .current_dir(folder.path())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("raggio starts");
+        let mut lines = BufReader::new(child.stderr.take().expect("a pipe")).lines().map(|line| line.expect("UTF-8"));
+        assert!(lines.by_ref().any(|line| line.contains('%')), "progress is told");
+        std::fs::remove_dir_all(there("out")).expect("the folder goes");
+        std::fs::write(there("out"), "in the way").expect("a file in its place");
+        let pid = child.id().to_string();
+        assert!(Command::new("kill").args(["-INT", &pid]).status().expect("kill runs").success());
+        let said: Vec<_> = lines.collect();
+        assert_eq!(child.wait().expect("raggio ends").code(), Some(2), "{said:?}");
+        for (name, instead) in [("out/deep/a.png", "a-2.png"), ("out/deep/b.exr", "b.exr"), ("out/s.json", "s.json")] {
+            let told = |line: &String| {
+                line.starts_with(&format!("error: cannot write {name}: "))
+                    && line.ends_with(&format!(": it is in {instead} instead"))
+            };
+            assert_eq!(said.iter().filter(|line| told(line)).count(), 1, "{name}: {said:?}");
+        }
+        assert_eq!(
+            files_in(folder.path()),
+            ["a-2.png", "a.png", "b.exr", "c.png", "out", "s.json", "scene.toml"],
+            "{said:?}"
+        );
+        assert!(image::open(there("a-2.png")).is_ok() && read_exr(&there("b.exr")).0 == 32);
+        assert_eq!(std::fs::read_to_string(there("a.png")).expect("a file"), "older");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Models from paths: the format is told by the extension, bytes are under a limit, libraries lie next to an OBJ.
 
-use std::path::Path;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
 use raggio_choice::{choice, endings, format_of};
 
@@ -78,17 +79,21 @@ fn load_whole(path: &Path, options: &LoadOptions) -> Result<Model, ModelError> {
     let mut file = parse(&bytes, &name)?;
     drop(bytes);
     let folder = path.parent().unwrap_or(Path::new(""));
+    let mut files = BTreeSet::new();
     if format == Some(Format::Obj) {
-        load_libraries(&mut file, folder, options);
+        files = load_libraries(&mut file, folder, options);
     }
     let mut textures = Textures::new(folder, options);
     let materials = translate(&file.materials, &mut textures);
-    file.warnings.extend(textures.into_warnings());
+    let (warnings, images) = textures.finish();
+    file.warnings.extend(warnings);
+    files.extend(images);
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    Ok(file.into_model(&stem, materials))
+    Ok(Model { files: files.into_iter().collect(), ..file.into_model(&stem, materials) })
 }
 
-fn load_libraries(model: &mut MeshFile, folder: &Path, options: &LoadOptions) {
+/// Fills in the materials of the libraries that the model names. Returns the paths of those that were found.
+fn load_libraries(model: &mut MeshFile, folder: &Path, options: &LoadOptions) -> BTreeSet<PathBuf> {
     let mut lookup = Lookup::new(folder, options.allow_outside);
     let (mut library, mut warnings) = (Vec::new(), Vec::new());
     for name in model.libraries.iter().take(MOST_LIBRARIES) {
@@ -102,6 +107,7 @@ fn load_libraries(model: &mut MeshFile, folder: &Path, options: &LoadOptions) {
         warnings.push(format!("{missing} materials are named but in no material library"));
     }
     model.warnings.extend(warnings);
+    lookup.into_found()
 }
 
 fn load_library(name: &str, lookup: &mut Lookup<'_>, warnings: &mut Vec<String>) -> Result<Vec<MtlMaterial>, String> {

@@ -1,5 +1,6 @@
 //! Contents of a model file, whatever its format.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
@@ -18,8 +19,13 @@ pub struct Model {
     pub materials: Vec<Material>,
     /// Lights without size.
     pub lights: Vec<Light>,
+    /// Whether the file has animations: others are equal at every time.
+    pub is_animated: bool,
     /// Viewpoints of the file, in the order of the nodes that place them.
     pub cameras: Vec<Camera>,
+    /// Paths, without links, of the files that the model's own names and that were opened: buffers, images, material
+    /// libraries. Each is there once.
+    pub files: Vec<PathBuf>,
     /// Warnings for the user, one sentence each, without the file's name.
     pub warnings: Vec<String>,
 }

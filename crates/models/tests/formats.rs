@@ -186,14 +186,7 @@ fn obj_with_groups_and_materials() {
 #[test]
 fn errors_name_the_line_and_what_is_right() {
     let message = |text: &str| parse_obj(text.as_bytes(), "a.obj").unwrap_err().to_string();
-    assert_eq!(
-        message("v 0 0 0\nf 1 2 3"),
-        "a.obj:2: the position 2 does not exist: the lines above allow 1 to 1 or -1 to -1"
-    );
-    assert_eq!(
-        message("v 0 0 0\nf 0 1 1"),
-        "a.obj:2: the position 0 does not exist: the lines above allow 1 to 1 or -1 to -1"
-    );
+    assert_eq!(message("v 0 0 0\nf 1 1 x"), "a.obj:2: `x` should be the number of a position");
     assert_eq!(message("\nv 0 \x1bx 0"), "a.obj:2: `\\u{1b}x` should be a number");
     let error = parse_ply(SQUARE.replace("vertex 4", "vertex 99999999999").as_bytes(), "a.ply").unwrap_err();
     assert_eq!(error.place, Place::Line(4));

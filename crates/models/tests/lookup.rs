@@ -166,3 +166,26 @@ fn links_that_lead_out_and_pipes_are_not_read() {
     symlink("real.png", folder.join("inner.png")).unwrap();
     assert_eq!(textured(folder, "inner.png"), (Some(BLUE), vec![]));
 }
+
+#[test]
+fn all_that_is_found_is_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = &folder.path().canonicalize().unwrap();
+    create_dir(folder.join("maps")).unwrap();
+    png(&folder.join("maps/Color.png"), RED);
+    // Whoever writes it anew may mean it to be read the next time.
+    write(folder.join("maps/damaged.png"), "no picture").unwrap();
+    let materials = "map_Kd maps/color.png\nmap_Ke maps/Color.png\nmap_Pr maps/damaged.png\nmap_d none.png\n";
+    write(folder.join("a.mtl"), format!("newmtl m\n{materials}")).unwrap();
+    let listed = ["a.mtl", "maps/Color.png", "maps/damaged.png"].map(|name| folder.join(name));
+    assert_eq!(model(folder, "a.mtl").files, listed);
+
+    write(folder.join("a.bin"), [0; 36]).unwrap();
+    let gltf = r#"{ "asset": { "version": "2.0" }, "buffers": [{ "byteLength": 36, "uri": "maps/../a%2Ebin" }],
+        "images": [{ "uri": "maps/Color.png" }, { "uri": "maps/unused.png" }],
+        "textures": [{ "source": 0 }, { "source": 1 }],
+        "materials": [{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }] }"#;
+    write(folder.join("a.gltf"), gltf).unwrap();
+    let model = load(&folder.join("a.gltf"), &LoadOptions::default()).unwrap();
+    assert_eq!(model.files, ["a.bin", "maps/Color.png"].map(|name| folder.join(name)));
+}

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Image, WritableImage};
 use raggio_images::Texels;
 use raggio_models::{AlphaMode, LoadOptions, Model, Principled, Texture, Wrap, load};
 
@@ -162,6 +163,18 @@ fn what_is_not_used_is_a_warning() {
     assert_eq!(warnings.len(), 4);
     let (_, warnings) = surface_and_warnings(&LoadOptions { allow_outside: true, ..LoadOptions::default() });
     assert_eq!(warnings[1], "the texture `../out.png` is not used: it does not exist");
+}
+
+#[test]
+fn textures_say_how_they_were_read() {
+    let folder = folder_with("map_Kd layers.exr\nmap_Ke layers.exr");
+    let names = ["albedo", "view"].into_iter().flat_map(|layer| ["B", "G", "R"].map(|last| format!("{layer}.{last}")));
+    let channel = |name: String| AnyChannel::new(name.as_str(), FlatSamples::F32(vec![0.5]));
+    let channels = AnyChannels::sort(names.map(channel).collect());
+    Image::from_channels((1, 1), channels).write().to_file(folder.path().join("layers.exr")).unwrap();
+    let model = load(&folder.path().join("a.obj"), &LoadOptions::default()).unwrap();
+    let warning = "the texture `layers.exr`: it has the layers `albedo`, `view`: `albedo` is taken";
+    assert_eq!(model.warnings, [warning]);
 }
 
 /// Two small files that would make a large texture together are left out.

@@ -74,8 +74,23 @@ fn corners_without_what_they_name_are_left_without() {
             "2 corners of faces name texture coordinates that do not exist, the first in line 6: they have none",
         ]
     );
-    // What a position is cannot be guessed.
-    assert!(parse_obj(format!("{SQUARE}f 0 1 2").as_bytes(), "").is_err());
+}
+
+#[test]
+fn faces_without_a_position_are_left_out() {
+    for corner in ["0", "0/1/1", "/1", "//1", "5", "-5", "-9223372036854775808"] {
+        let file = obj(&format!("{SQUARE}s 1\nf 1 2 3\nf 1 4 {corner}\nf -4 -2 -1"));
+        assert_eq!(file.mesh.positions.len(), 4, "{corner}");
+        assert_eq!(file.mesh.triangles, [[0, 1, 2], [0, 2, 3]], "{corner}");
+        let warning = "the face in line 7 names a vertex that does not exist: it is left out";
+        assert_eq!(file.warnings, [warning], "{corner}");
+    }
+    let all = obj(&format!("f 1 2 3\n{SQUARE}f 0 0 0 0\nf 9 9 9\nf 1 2 3"));
+    assert_eq!(all.mesh.triangles.len(), 1);
+    assert_eq!(all.warnings, ["3 faces name vertices that do not exist, the first in line 1: they are left out"]);
+    // A face that is left out leaves no vertex behind, which would count for the bounds.
+    let far = obj(&format!("{SQUARE}v 9 9 9\nf 5 1 0\nf 1 2 3"));
+    assert_eq!((far.mesh.positions.len(), far.mesh.triangles.len()), (3, 1));
 }
 
 /// The vertices of a mesh: position and normal, rounded to three digits.

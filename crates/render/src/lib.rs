@@ -27,7 +27,7 @@ pub use pictures::image_file::{Extras, ImageFile, OutputError, write_png};
 pub use pictures::image_input::InputError;
 pub use pictures::linear_image::Image;
 pub use pictures::metadata::Metadata;
-pub use pictures::output_file::{OutputFile, write_whole};
+pub use pictures::output_file::{OutputFile, abandon_files, write_whole};
 pub use pictures::picture::Picture;
 pub use pictures::png_file::PngBits;
 pub use raggio_choice::{Choice, UnknownName, endings, listed};

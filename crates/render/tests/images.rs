@@ -80,6 +80,15 @@ fn errors_name_files_safely() {
     std::fs::write(file.path().parent().expect("a folder"), "no folder").expect("a file");
     let error = file.write(&film(), Display::default()).expect_err("no folder").to_string();
     assert!(error.starts_with("cannot write ") && !error.contains(".raggio-"), "{error}");
+    // Only where it is asked to does it go elsewhere, and there it replaces nothing.
+    let refuge = tempfile::tempdir().expect("a folder");
+    let file = file.with_refuge(refuge.path());
+    for name in ["a.png", "a-2.png"] {
+        let error = file.write(&film(), Display::default()).expect_err("no folder").to_string();
+        assert!(error.ends_with(&format!(": it is in {name} instead")), "{error}");
+        assert_eq!(Image::load(&refuge.path().join(name)).expect("a picture").width, film().width());
+    }
+    assert_eq!(std::fs::read_dir(refuge.path()).expect("the folder").count(), 2);
     std::fs::remove_file(file.path().parent().expect("a folder")).expect("the file goes");
 }
 

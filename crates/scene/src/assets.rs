@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use raggio_choice::endings;
-use raggio_images::{Bitmap, ImageError, Limits, Problem};
+use raggio_images::{Bitmap, Image, ImageError, Limits, Problem};
 use raggio_models::{Format, LoadOptions, Place};
 
 use crate::names;
@@ -38,7 +38,7 @@ pub struct AssetOptions {
 pub struct Assets {
     options: AssetOptions,
     models: Cache<Imported>,
-    images: Cache<Bitmap>,
+    images: Cache<Picture>,
     /// Whether files have changed that no scene was made of since.
     is_stale: bool,
 }
@@ -57,6 +57,12 @@ impl Assets {
     /// Canonical paths of the files that the last scene was made of, in no order; not of those that models name.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.models.files().chain(self.images.files())
+    }
+
+    /// Canonical paths of all files that the last scene was made of, in no order, with those that models name: whoever
+    /// replaces one of these files changes the scene.
+    pub fn all_files(&self) -> impl Iterator<Item = &Path> {
+        self.files().chain(self.models.values().flat_map(|model| &model.files).map(PathBuf::as_path))
     }
 
     /// Forgets every file that has changed since it was read. Returns whether there was one, now or since a scene was
@@ -92,19 +98,28 @@ impl Assets {
     }
 
     /// The image at `path`.
-    pub(crate) fn image(&mut self, path: PathBuf) -> Result<Arc<Bitmap>, Trouble> {
+    pub(crate) fn image(&mut self, path: PathBuf) -> Result<Arc<Picture>, Trouble> {
         self.images.get_or_read(Key::new(path, None), |path| {
             let most_bytes = budget(Limits::default().most_bytes);
-            let image = raggio_images::load(path, &Limits { most_bytes, ..Limits::default() });
+            let image = Image::load(path, &Limits { most_bytes, ..Limits::default() });
             let told = |error: ImageError| match &error.problem {
                 Problem::TooManyPixels { .. } if most_bytes < Limits::default().most_bytes => {
                     format!("{}, because no more memory is available", error.problem)
                 }
                 problem => problem.to_string(),
             };
-            image.map_err(|error| Trouble::whole(names::escaped(&told(error))))
+            let Image { bitmap, warnings } = image.map_err(|error| Trouble::whole(names::escaped(&told(error))))?;
+            Ok(Picture { bitmap: Arc::new(bitmap), warnings })
         })
     }
+}
+
+/// An image, and what the user should know of how it was read.
+#[derive(Debug)]
+pub(crate) struct Picture {
+    pub bitmap: Arc<Bitmap>,
+    /// Warnings, one sentence each, without the file's name.
+    pub warnings: Vec<String>,
 }
 
 /// Bytes that a file may take, of at most `most`: what is read is decoded in up to three times as much memory, and then

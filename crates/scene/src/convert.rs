@@ -7,7 +7,7 @@ mod meshes;
 mod principled;
 mod shapes;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
@@ -27,7 +27,8 @@ const PARALLEL: f64 = 1e-5;
 /// The scene and, apart from it, its warnings; it is sound if `review` has no faults. Paths are relative to `folder`.
 pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets, review: &Review) -> (Scene, Vec<Fault>) {
     let mut warnings = Vec::new();
-    let files = &mut Files { folder, assets, review, troubles: HashMap::new() };
+    let files =
+        &mut Files { folder, assets, review, troubles: HashMap::new(), warnings: Vec::new(), warned: HashSet::new() };
     review.accept(check_camera(&file.camera));
     let environment = file.environment.as_ref().and_then(|file| review.accept(environment::environment(file, files)));
     let materials = materials::materials(&file.materials, files, &mut warnings);
@@ -52,10 +53,11 @@ pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets, review
             break;
         }
     }
+    warnings.append(&mut files.warnings);
     if review.count() == 0 {
         warnings.extend(radians(&file.camera));
         warnings.extend(sheets(&scene, shapes));
-        warnings.extend(stillness(shapes, assets.options().time_seconds));
+        warnings.extend(stillness(shapes, files));
         warnings.extend(darkness(&scene));
     }
     (scene, warnings)
@@ -68,6 +70,10 @@ struct Files<'a> {
     review: &'a Review,
     /// Troubles of the files that could not be read.
     troubles: HashMap<PathBuf, String>,
+    /// Warnings of images, once for each.
+    warnings: Vec<Fault>,
+    /// Paths of the images whose warnings are among `warnings`.
+    warned: HashSet<PathBuf>,
 }
 
 /// A scene whose shapes are being added.
@@ -173,20 +179,29 @@ fn radians(file: &CameraFile) -> Option<Fault> {
     Some(Fault::value(steps!["camera", "vertical_fov_degrees"], message))
 }
 
-/// Warnings of moments at which nothing is different: only glTF's files move.
-fn stillness(shapes: &[ShapeFile], overriding: Option<f64>) -> Vec<Fault> {
+/// Warnings of moments at which nothing is different: few files move.
+fn stillness(shapes: &[ShapeFile], files: &mut Files<'_>) -> Vec<Fault> {
     let format = |mesh: &MeshFile| Format::of_path(Path::new(&mesh.file));
-    let meshes = shapes.iter().enumerate().filter_map(|(index, shape)| Some((index, shape.mesh.as_ref()?)));
-    let still = meshes.filter_map(|(index, mesh)| Some((index, mesh, format(mesh)?)));
-    let (moving, still): (Vec<_>, Vec<_>) = still.partition(|(.., format)| format.is_animated());
-    if overriding.is_some() {
-        let message = "a time is given, but nothing in the scene moves: only .gltf and .glb files have animations";
-        return moving.is_empty().then(|| Fault::value(Vec::new(), message)).into_iter().collect();
+    let may_move = |mesh: &MeshFile| format(mesh).is_some_and(Format::is_animated);
+    let is_overridden = files.assets.options().time_seconds.is_some();
+    let mut moves = |mesh: &MeshFile| files.model(mesh, Vec::new()).is_ok_and(|model| model.is_animated);
+    let mut meshes = shapes.iter().enumerate().filter_map(|(index, shape)| Some((index, shape.mesh.as_ref()?)));
+    if is_overridden {
+        let message = "a time is given, but nothing in the scene moves";
+        let still = match () {
+            () if meshes.clone().any(|(_, mesh)| moves(mesh)) => return Vec::new(),
+            () if meshes.any(|(_, mesh)| may_move(mesh)) => "its .gltf and .glb files have no animations",
+            () => "only .gltf and .glb files have animations",
+        };
+        return vec![Fault::value(Vec::new(), format!("{message}: {still}"))];
     }
-    let timed = still.into_iter().filter(|(_, mesh, _)| mesh.time.is_some());
-    let warn = |(index, _, format): (usize, &MeshFile, Format)| {
-        let message =
-            format!("`time` in `mesh` of shape {} does nothing: .{format} files have no animations", index + 1);
+    let timed = meshes.filter(|(_, mesh)| mesh.time.is_some() && !moves(mesh));
+    let warn = |(index, mesh): (usize, &MeshFile)| {
+        let still = match format(mesh) {
+            Some(format) if !format.is_animated() => format!(".{format} files have no animations"),
+            _ => format!("{} has no animations", names::printable(&mesh.file)),
+        };
+        let message = format!("`time` in `mesh` of shape {} does nothing: {still}", index + 1);
         Fault::key(steps!["shapes", index, "mesh", "time"], message)
     };
     timed.map(warn).collect()

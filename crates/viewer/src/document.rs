@@ -15,6 +15,7 @@ mod tree;
 
 use std::path::{Path, PathBuf};
 
+use raggio_render::{OutputError, OutputFile};
 use raggio_scene::{AssetOptions, Assets, Scene, SceneError, display_name, is_model, scene_text};
 use toml_edit::DocumentMut;
 
@@ -96,6 +97,22 @@ impl Document {
         &self.assets
     }
 
+    /// Paths of all files that the scene is made of, with those that its models name.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        [self.path(), self.source()].into_iter().chain(self.assets.all_files())
+    }
+
+    /// Checks that none of `outputs` takes the place of a file that the scene is made of.
+    ///
+    /// # Errors
+    /// An [`OutputError`] that names both.
+    pub fn check_apart(&self, outputs: &[OutputFile]) -> Result<(), OutputError> {
+        outputs.iter().try_for_each(|file| {
+            let path = file.path().to_path_buf();
+            file.check_apart(self.files()).map_err(|source| OutputError::Unwritable { path, source })
+        })
+    }
+
     /// Path that the scene is read from and saved to.
     pub fn path(&self) -> &Path {
         &self.path
@@ -134,14 +151,18 @@ impl Document {
     /// Writes the text to another file, whole or not at all; that file is the document's own from then on.
     ///
     /// # Errors
-    /// [`EditError::Unwritable`] when the file cannot be written, [`EditError::Scene`] when from the other folder the
+    /// [`EditError::Unwritable`] when the file cannot be written or is one that the scene names, [`EditError::Scene`] when from the other folder the
     /// scene does not find the files that it names; nothing changes then.
     pub fn save_as(&mut self, path: &Path) -> Result<(), EditError> {
         // Warnings name the file, and paths in it are relative to its folder.
         let moved = self.path != path;
         let scene = moved.then(|| Scene::parse_with(&self.text, path, &mut self.assets)).transpose()?;
-        raggio_render::write_whole(path, self.text.as_bytes())
-            .map_err(|source| EditError::Unwritable { path: display_name(path), source })?;
+        let write = |file: OutputFile| {
+            file.check_apart(self.assets.all_files())?;
+            file.write(self.text.as_bytes())
+        };
+        let written = OutputFile::new(path).and_then(write);
+        written.map_err(|source| EditError::Unwritable { path: display_name(path), source })?;
         self.on_disk = Some(self.text.clone());
         self.source = path.to_path_buf();
         if let Some(scene) = scene {

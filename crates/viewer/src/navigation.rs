@@ -30,6 +30,9 @@ use view::{camera_heading, heading, moved, pitch_of, pitched, turned, vertical};
 const FILLED: f64 = 0.85;
 /// Least factor of one [`dolly`], which approaches to this part of the distance and not beyond.
 const LEAST_FACTOR: f64 = 1e-3;
+/// Least and greatest height of a picture with parallel rays, well within those that a scene may have.
+const LEAST_HEIGHT: f64 = 1e-12;
+const GREATEST_HEIGHT: f64 = 1e12;
 
 /// Moves position and `look_at` together by `distance` times `motion`: to the right, along the vertical, forward.
 pub fn fly(camera: &Camera, motion: Vec3, distance: f32) -> Camera {
@@ -63,25 +66,37 @@ pub fn orbit(camera: &Camera, pivot: Vec3, yaw: f32, pitch: f32) -> Camera {
 }
 
 /// Moves parallel to the picture, so that a point at `distance` along the viewing direction goes `dx` to the right and
-/// `dy` down, in heights of the picture.
+/// `dy` down, in heights of the picture. Where rays are parallel all points go as far, whatever the distance.
 pub fn pan(camera: &Camera, dx: f32, dy: f32, distance: f32) -> Camera {
     let Axes { right, up, .. } = axes(camera);
-    let height = 2.0 * half_angle(camera).tan() * f64::from(distance);
+    let distance = if camera.orthographic_height.is_some() { 1.0 } else { f64::from(distance) };
+    let height = 2.0 * camera.half_height() * distance;
     translate(camera, (up * f64::from(dy) - right * f64::from(dx)) * height)
 }
 
 /// Multiplies the distance to `pivot` by `factor`, less than 1 to approach. The direction stays, and `pivot` stays
-/// where it is in the picture; a factor of 0 or less approaches to a thousandth and not beyond.
+/// where it is in the picture; a factor of 0 or less approaches to a thousandth and not beyond. Where rays are parallel,
+/// and a closer camera would see all as large as before, the picture's height is multiplied instead.
 pub fn dolly(camera: &Camera, factor: f32, pivot: Vec3) -> Camera {
     let factor = f64::from(factor).max(LEAST_FACTOR);
     let pivot = pivot.as_dvec3();
+    if let Some(height) = camera.orthographic_height {
+        let new = (f64::from(height) * factor).clamp(LEAST_HEIGHT, GREATEST_HEIGHT);
+        let across = (pivot - camera.position.as_dvec3()).reject_from_normalized(axes(camera).forward);
+        let new = Camera { orthographic_height: Some(new as f32), ..camera.clone() };
+        return translate(&new, across * (1.0 - new.half_height() / camera.half_height()));
+    }
     let scaled = |point: Vec3| pivot + (point.as_dvec3() - pivot) * factor;
     moved(camera, scaled(camera.position), scaled(camera.look_at))
 }
 
 /// Keeps the direction and moves so that the sphere fills most of a picture of that `aspect` ratio (width by height);
-/// looks at its centre and focuses there. Without a positive radius the distance of `look_at` stays.
+/// looks at its centre and focuses there. Without a positive radius the distance of `look_at` stays. Where rays are
+/// parallel the picture's height is what fits, and the camera stands outside the sphere.
 pub fn focus_on(camera: &Camera, center: Vec3, radius: f32, aspect: f32) -> Camera {
+    if camera.orthographic_height.is_some() {
+        return focus_on_parallel(camera, center, radius, aspect);
+    }
     let vertical = half_angle(camera);
     let horizontal = (vertical.tan() * f64::from(aspect)).atan();
     // The cone around the sphere takes its share of the narrower angle.
@@ -90,6 +105,18 @@ pub fn focus_on(camera: &Camera, center: Vec3, radius: f32, aspect: f32) -> Came
     let distance = if radius > 0.0 && fitting.is_finite() { fitting } else { view_distance(camera).into() };
     let center = center.as_dvec3();
     let mut new = moved(camera, center - axes(camera).forward * distance, center);
+    new.focus_distance = view_distance(&new);
+    new
+}
+
+fn focus_on_parallel(camera: &Camera, center: Vec3, radius: f32, aspect: f32) -> Camera {
+    let fitting = 2.0 * f64::from(radius) / FILLED / f64::from(aspect).min(1.0);
+    let fits = radius > 0.0 && (LEAST_HEIGHT..=GREATEST_HEIGHT).contains(&fitting);
+    let height = if fits { Some(fitting as f32) } else { camera.orthographic_height };
+    let distance = f64::from(view_distance(camera).max(2.0 * radius));
+    let center = center.as_dvec3();
+    let mut new = moved(camera, center - axes(camera).forward * distance, center);
+    new.orthographic_height = height;
     new.focus_distance = view_distance(&new);
     new
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use raggio_render::{DeviceChoice, OpenOptions};
+use raggio_render::{DeviceChoice, OpenOptions, OutputFile};
 use raggio_scene::AssetOptions;
 
 /// Options of the viewer: the scene, and how to show it.
@@ -26,4 +26,6 @@ pub struct Options {
     pub watch_kernels: Option<PathBuf>,
     /// Whether there is no window: the script is played on a canvas that nobody sees.
     pub hidden: bool,
+    /// Files that are written when the viewer is over; no scene is shown that is made of one of them.
+    pub outputs: Vec<OutputFile>,
 }

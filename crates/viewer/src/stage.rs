@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::{PlatformOutput, RawInput};
-use raggio_render::{Device, DeviceChoice, OpenOptions};
+use raggio_render::{Device, DeviceChoice, OpenOptions, OutputError, OutputFile};
 use raggio_scene::counted;
 use raggio_vulkan::{Canvas, DeviceKind, Instance, Surface, VulkanError};
 
@@ -42,7 +42,9 @@ impl Files {
     /// Reads scene and script.
     pub fn read(options: &Options) -> Result<Self, ViewError> {
         let player = options.play.as_deref().map(Player::load).transpose()?;
-        Ok(Self { document: Document::open_with(&options.scene, options.assets.clone())?, player })
+        let document = Document::open_with(&options.scene, options.assets.clone())?;
+        document.check_apart(&options.outputs)?;
+        Ok(Self { document, player })
     }
 }
 
@@ -122,6 +124,7 @@ impl Stage {
         let size = size.map(|side| side.max(SMALLEST));
         let canvas = canvas(&opener, &*device, surface, size)?;
         let mut viewer = Viewer::new(document, device, size, wake)?;
+        viewer.outputs.clone_from(&options.outputs);
         if let Some(folder) = &options.watch_kernels {
             viewer.watch_kernels(folder)?;
         }
@@ -223,7 +226,9 @@ impl Stage {
             self.viewer.notices.fail("this display does not let its pictures be read");
             return;
         };
-        match raggio_render::write_png(path, size, &pixels) {
+        let apart = OutputFile::new(path).and_then(|file| file.check_apart(self.viewer.document.files()));
+        let apart = apart.map_err(|source| OutputError::Unwritable { path: path.into(), source });
+        match apart.and_then(|()| raggio_render::write_png(path, size, &pixels)) {
             Ok(()) => self.viewer.notices.done(format!("wrote {}", path.display())),
             Err(error) => self.viewer.notices.fail(error),
         }

@@ -7,7 +7,7 @@ mod pictures;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use raggio_render::{Device, FilmPixel, Spirv};
+use raggio_render::{Device, FilmPixel, OutputFile, Spirv};
 use raggio_scene::{Camera, Scene, Vec3};
 
 use crate::clock::Clock;
@@ -46,6 +46,8 @@ pub struct Viewer {
     pub(crate) fields: Fields,
     pub(crate) outgoing: Outgoing,
     pub(crate) reference: Option<PathBuf>,
+    /// Files that are written when the viewer is over.
+    pub(crate) outputs: Vec<OutputFile>,
     /// Time when a hand last did something.
     pub(crate) untouched: Instant,
     /// Whether the window has room for panels beside the picture.
@@ -129,6 +131,7 @@ impl Viewer {
             fields: Fields::new(&document),
             outgoing: Outgoing::default(),
             reference: None,
+            outputs: vec![],
             untouched: Instant::now(),
             roomy: true,
             happened: Happened::default(),

@@ -26,13 +26,21 @@ fn tilted() -> Camera {
     Camera { up: Vec3::new(0.5, 2.0, 0.25), ..camera() }
 }
 
+/// A camera whose rays are parallel.
+fn parallel() -> Camera {
+    Camera { orthographic_height: Some(2.5), ..tilted() }
+}
+
 /// Position of a point in the picture, in heights of it from the middle, right and up; and its depth.
 fn project(camera: &Camera, point: Vec3) -> (f64, f64, f64) {
     let Axes { right, up, forward } = axes(camera);
     let towards = point.as_dvec3() - camera.position.as_dvec3();
-    let height = 2.0 * (f64::from(camera.vertical_fov_degrees).to_radians() / 2.0).tan();
     let depth = towards.dot(forward);
-    (towards.dot(right) / depth / height, towards.dot(up) / depth / height, depth)
+    let height = match camera.orthographic_height {
+        Some(height) => f64::from(height),
+        None => depth * 2.0 * (f64::from(camera.vertical_fov_degrees).to_radians() / 2.0).tan(),
+    };
+    (towards.dot(right) / height, towards.dot(up) / height, depth)
 }
 
 fn pitch_degrees(camera: &Camera) -> f64 {
@@ -111,7 +119,7 @@ fn the_pivot_of_an_orbit_stays_in_the_picture() {
 
 #[test]
 fn a_panned_point_follows_the_cursor() {
-    for start in [camera(), tilted()] {
+    for start in [camera(), tilted(), parallel()] {
         let Axes { right, up, forward } = axes(&start);
         let point = (start.position.as_dvec3() + 3.0 * forward + 0.4 * right - 0.2 * up).as_vec3();
         let (x, y, depth) = project(&start, point);
@@ -137,6 +145,36 @@ fn a_dolly_scales_the_distance_and_never_passes() {
     }
     let back = dolly(&dolly(&start, 0.5, pivot), 2.0, pivot);
     assert!(back.position.abs_diff_eq(start.position, 1e-5));
+}
+
+#[test]
+fn parallel_rays_are_brought_closer_by_the_pictures_height() {
+    let (start, pivot) = (parallel(), Vec3::new(0.5, 0.5, 0.5));
+    let end = dolly(&start, 0.5, pivot);
+    assert_eq!(end.orthographic_height, Some(1.25));
+    assert_same_place(project(&start, pivot), project(&end, pivot));
+    assert!(axes(&end).forward.abs_diff_eq(axes(&start).forward, 1e-6));
+    assert_near(view_distance(&end).into(), view_distance(&start).into(), 1e-5);
+    let back = dolly(&end, 2.0, pivot);
+    assert_eq!(back.orthographic_height, start.orthographic_height);
+    assert!(back.position.abs_diff_eq(start.position, 1e-5));
+
+    // Without end there is no end either.
+    for factor in [0.0, 1e30] {
+        let far = (0..100).fold(start.clone(), |camera, _| dolly(&camera, factor, pivot));
+        let height = far.orthographic_height.expect("rays are parallel");
+        assert!(height > 0.0 && height.is_finite() && far.position.is_finite(), "{far:?}");
+    }
+
+    for (radius, aspect) in [(0.7, 1.5), (0.7, 0.5), (40.0, 1.0)] {
+        let end = focus_on(&start, pivot, radius, aspect);
+        assert_eq!(end.look_at, pivot);
+        let edge = (pivot.as_dvec3() + f64::from(radius) * axes(&end).up).as_vec3();
+        let (_, up, depth) = project(&end, edge);
+        assert_near(up / f64::from(aspect).min(1.0), 0.85 / 2.0, 1e-3);
+        assert!(depth > f64::from(radius), "the sphere is in front of the camera");
+    }
+    assert_eq!(focus_on(&start, pivot, 0.0, 1.0).orthographic_height, start.orthographic_height);
 }
 
 #[test]
@@ -255,6 +293,10 @@ fn a_transition_is_smooth_and_arrives() {
     assert!(fast.camera().position.abs_diff_eq(halfway.position, 1e-4));
     assert!(!slow.is_done());
     assert_eq!((slow.advance(1.0), slow.is_done()), (to, true));
+
+    let [low, high] = [1.0, 3.0].map(|height| Camera { orthographic_height: Some(height), ..camera() });
+    let height = Transition::new(low, high).advance(0.125).orthographic_height.expect("rays are parallel");
+    assert_near(height.into(), 2.0, 1e-5);
 }
 
 #[test]

@@ -66,7 +66,7 @@ fn a_click_beside_the_picture_meets_nothing_and_one_at_its_edge_what_is_seen_the
     let script = "\
 panels
 wait 1 samples
-select 1
+select 2
 wait 1 frames
 click left 45,195
 delete

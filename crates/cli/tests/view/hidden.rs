@@ -1,9 +1,10 @@
 //! Frames without a window: the same ones, on a canvas that nobody sees.
 
+use std::process::Command;
+
 use image::RgbImage;
 
-use crate::common::project_file;
-use crate::common::read_exr;
+use crate::common::{files_in, project_file, read_exr};
 use crate::view::SCENE;
 use crate::view::assert_same_picture;
 use crate::view::desk::{Desk, can_draw};
@@ -16,6 +17,25 @@ fn a_scene_that_is_opened_and_saved_stays_as_it_is() {
     let desk = Desk::new(SCENE);
     desk.play("wait 1 samples\nsave", &["--device", "cpu", "--size", "400x200"], None);
     assert_eq!(desk.read("scene.toml"), SCENE);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_ends_the_program_as_ever() {
+    use std::os::unix::process::ExitStatusExt;
+    if !can_draw() {
+        return;
+    }
+    for (signal, number) in [("-INT", 2), ("-TERM", 15)] {
+        let desk = Desk::new(SCENE);
+        let script = "wait 1 samples\nsave saved.toml\nwait 1000 s";
+        let mut run = desk.start(script, &["--device", "cpu", "--size", "64x64"], None);
+        run.wait_for(&desk.path("saved.toml"));
+        let kill = Command::new("kill").args([signal, &run.id().to_string()]).status();
+        assert!(kill.expect("kill runs").success());
+        assert_eq!(run.finish().status.signal(), Some(number));
+        assert_eq!(files_in(desk.folder()), ["saved.toml", "scene.toml", "script.play"]);
+    }
 }
 
 #[test]
@@ -103,7 +123,7 @@ fn what_a_hand_drags_is_one_step_to_undo() {
     // The sphere's radius is there in the panel.
     let script = "\
 wait 1 samples
-select 1
+select 2
 wait 20 frames
 screenshot before.png
 drag left 676,625 716,625 over 20 frames

@@ -65,6 +65,30 @@ fn what_a_script_asks_for_and_cannot_have_is_its_failure() {
 }
 
 #[test]
+fn pictures_and_figures_do_not_replace_what_is_shown() {
+    if !can_draw() {
+        return;
+    }
+    let folder = folder_with(&SCENE.replace("horizon = [1, 1, 1]\nzenith = [0.2, 0.4, 1.0]", "image = \"sky.png\""));
+    let sky = folder.path().join("sky.png");
+    image::RgbImage::from_pixel(2, 1, image::Rgb([90, 120, 200])).save(&sky).expect("an image");
+    let before = std::fs::read(&sky).expect("an image");
+    std::fs::write(folder.path().join("other.toml"), SCENE).expect("a scene");
+    let arguments = ["view", "scene.toml", "--device", "cpu", "--size", "64x64", "--hidden", "--play", "a.play"];
+    let play = |script: &str| {
+        std::fs::write(folder.path().join("a.play"), script).expect("a script");
+        raggio(folder.path(), &[&arguments[..], &["--stats", "other.toml"]].concat())
+    };
+    for script in ["wait 2 frames\nexport sky.png\nwait 2 frames", "wait 2 frames\nscreenshot sky.png\nwait 2 frames"] {
+        assert_refused(&play(script), "cannot write sky.png: it would replace what is read, ");
+    }
+    std::fs::write(folder.path().join("other.toml"), SCENE).expect("a scene");
+    let opened = play("wait 2 frames\nopen other.toml\nwait 2 frames");
+    assert_refused(&opened, "cannot write other.toml: it would replace what is read, other.toml");
+    assert_eq!(std::fs::read(&sky).expect("an image"), before);
+}
+
+#[test]
 fn what_makes_sense_only_with_a_script_needs_one() {
     assert_refused(&view(&["--hidden"], &[]), "--play <FILE>");
     assert_refused(&view(&["--stats", "a.json"], &[]), "--play <FILE>");

@@ -32,6 +32,7 @@ mod resources;
 mod stream;
 mod validate;
 
+use std::cell::RefCell;
 use std::path::Path;
 
 use crate::error::{Fault, ModelError};
@@ -84,8 +85,10 @@ impl From<LoadOptions> for GltfOptions {
 pub fn load_gltf(path: &Path, options: &GltfOptions) -> Result<Model, ModelError> {
     let name = escaped(&path.display().to_string());
     let bytes = read(path, options.most_bytes).map_err(|message| Fault::whole(message).of(&name))?;
-    let folder = Folder { path: path.parent().unwrap_or(Path::new("")), allow_outside: options.allow_outside };
-    parse_gltf(&bytes, &name, &folder, options)
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let folder = Folder { path: folder, allow_outside: options.allow_outside, found: RefCell::default() };
+    let model = parse_gltf(&bytes, &name, &folder, options)?;
+    Ok(Model { files: folder.found.into_inner().into_iter().collect(), ..model })
 }
 
 /// Reads the bytes of a .gltf or .glb; `name` stands for the file in messages.
@@ -125,6 +128,7 @@ fn convert(bytes: &[u8], resources: &dyn Resources, options: &GltfOptions) -> Re
         builder.finish()
     };
     model.materials = materials::translate(&asset, &images)?;
+    model.is_animated = !asset.document.animations.is_empty();
     model.warnings = asset.warnings.finish();
     Ok(model)
 }

@@ -1,7 +1,9 @@
 //! Bytes that a document refers to: files beside it and data URIs.
 
 use std::borrow::Cow;
-use std::path::Path;
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
 use data_encoding::BASE64_MIME_PERMISSIVE;
 use percent_encoding::{percent_decode, percent_decode_str};
@@ -33,6 +35,8 @@ impl<F: Fn(&str, u64) -> Result<Vec<u8>, String>> Resources for F {
 pub(super) struct Folder<'a> {
     pub path: &'a Path,
     pub allow_outside: bool,
+    /// Paths of the files that were found.
+    pub found: RefCell<BTreeSet<PathBuf>>,
 }
 
 impl Resources for Folder<'_> {
@@ -43,7 +47,9 @@ impl Resources for Folder<'_> {
             Refusal::Outside | Refusal::LeadsOut => format!("{refusal} unless `--allow-outside` is given"),
             _ => refusal.to_string(),
         })?;
-        read(&path, most_bytes)
+        let bytes = read(&path, most_bytes);
+        self.found.borrow_mut().insert(path);
+        bytes
     }
 }
 

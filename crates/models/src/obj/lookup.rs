@@ -1,6 +1,6 @@
 //! Files by the names that OBJ, MTL and PLY files give them, which were right on another machine.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::fs::read_dir;
 use std::path::{Path, PathBuf};
 
@@ -15,6 +15,8 @@ pub(crate) struct Lookup<'a> {
     allow_outside: bool,
     /// Names in the folders that have been searched, by what they are in lower case.
     entries: HashMap<PathBuf, HashMap<String, String>>,
+    /// Paths of the files that were found.
+    found: BTreeSet<PathBuf>,
 }
 
 /// A file that is there.
@@ -26,13 +28,24 @@ pub(crate) struct Found {
 
 impl<'a> Lookup<'a> {
     pub(crate) fn new(folder: &'a Path, allow_outside: bool) -> Self {
-        Self { folder, allow_outside, entries: HashMap::new() }
+        Self { folder, allow_outside, entries: HashMap::new(), found: BTreeSet::new() }
     }
 
     /// The file called `name` in the first of `beside` that has it: folders as the model names them, each empty or with a
     /// slash at its end. A file of the name in other letter case is the next best, then one in these folders by the last
     /// part of the name alone, which is all that counts of a path on another machine.
     pub(crate) fn find(&mut self, beside: &[&str], name: &str) -> Result<Found, Refusal> {
+        let found = self.look_for(beside, name);
+        self.found.extend(found.iter().map(|found| found.path.clone()));
+        found
+    }
+
+    /// Paths of all files that were found.
+    pub(crate) fn into_found(self) -> BTreeSet<PathBuf> {
+        self.found
+    }
+
+    fn look_for(&mut self, beside: &[&str], name: &str) -> Result<Found, Refusal> {
         let name = name.replace('\\', "/");
         let last = name.rsplit('/').next().filter(|last| *last != name);
         let mut refusal = Refusal::Missing;

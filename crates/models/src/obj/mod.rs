@@ -29,7 +29,7 @@ use smoothing::Smoothing;
 /// group.
 ///
 /// # Errors
-/// When the bytes are not a valid OBJ file: the index of a position names nothing above its line, or a number is none.
+/// When the bytes are not a valid OBJ file: a number is none.
 pub fn parse_obj(bytes: &[u8], name: &str) -> Result<MeshFile, ModelError> {
     let text = unmarked(bytes);
     let mut reader = Reader::default();
@@ -59,7 +59,7 @@ enum Normal {
     Smooth(u32),
 }
 
-/// Corners that name something that is not there, and the line of the first.
+/// Number of corners or faces that name something that is not there, and the line of the first.
 #[derive(Default)]
 struct Absent {
     count: usize,
@@ -91,6 +91,8 @@ struct Reader {
     material_numbers: HashMap<String, usize>,
     libraries: Vec<String>,
     libraries_seen: HashSet<String>,
+    /// Faces, of which a corner names a position that is not there.
+    absent_positions: Absent,
     absent_uvs: Absent,
     absent_normals: Absent,
     curves: usize,
@@ -155,8 +157,17 @@ impl Reader {
     fn face(&mut self, rest: &[u8]) -> Result<(), String> {
         let mut polygon = std::mem::take(&mut self.polygon);
         polygon.clear();
+        let known = self.corners.len();
         for word in words(rest) {
-            let corner = self.corner(word)?;
+            let Some(corner) = self.corner(word)? else {
+                // Blender leaves such faces out, too. Vertices of their own would count for the bounds of the mesh.
+                for corner in self.corners.drain(known..) {
+                    self.numbers.remove(&corner);
+                }
+                self.absent_positions.add(self.line);
+                self.polygon = polygon;
+                return Ok(());
+            };
             polygon.push(self.vertex_of(corner)?);
         }
         self.too_few += usize::from(polygon.len() < 3);
@@ -172,20 +183,19 @@ impl Reader {
         Ok(())
     }
 
-    /// The corner that `v`, `v/vt`, `v//vn` or `v/vt/vn` means. Exporters name texture coordinates and normals that they do
-    /// not write, or index 0 for none: such a corner has none.
-    fn corner(&mut self, word: &[u8]) -> Result<Corner, String> {
+    /// The corner that `v`, `v/vt`, `v//vn` or `v/vt/vn` means; `None` where it has no position. Exporters name texture
+    /// coordinates and normals that they do not write, or index 0 for none: such a corner has none.
+    fn corner(&mut self, word: &[u8]) -> Result<Option<Corner>, String> {
         let mut fields = word.split(|byte| *byte == b'/');
         let [position, uv, normal, end] = std::array::from_fn(|_| fields.next());
         let shape = || format!("{} should be `v`, `v/vt`, `v//vn` or `v/vt/vn`", quoted(word));
-        let position = position.filter(|field| !field.is_empty() && end.is_none()).ok_or_else(shape)?;
-        let position = index(position, "position")?;
-        let position =
-            position.of(self.positions.len()).ok_or_else(|| absent("position", position, self.positions.len()))?;
+        let position = position.filter(|_| end.is_none()).ok_or_else(shape)?;
+        let position = if position.is_empty() { Index(0) } else { index(position, "position")? };
+        let Some(position) = position.of(self.positions.len()) else { return Ok(None) };
         let uv = self.absent_uvs.check(uv, "texture coordinate", self.uvs.len(), self.line)?;
         let normal = self.absent_normals.check(normal, "normal", self.normals.len(), self.line)?;
         let normal = normal.map(Normal::Given).unwrap_or_else(|| self.smoothing.of(position));
-        Ok(Corner { position, uv, normal })
+        Ok(Some(Corner { position, uv, normal }))
     }
 
     /// Number of the mesh's vertex for a corner.
@@ -266,8 +276,9 @@ impl Reader {
             parts: self.parts,
         };
         let mut warnings = self.warnings;
-        warnings.extend(self.absent_normals.warning("normals"));
-        warnings.extend(self.absent_uvs.warning("texture coordinates"));
+        warnings.extend(self.absent_positions.faces());
+        warnings.extend(self.absent_normals.corners("normals"));
+        warnings.extend(self.absent_uvs.corners("texture coordinates"));
         if self.curves > 0 {
             warnings.push(format!("{} free-form curves or surfaces are not read: only polygons are", self.curves));
         }
@@ -285,14 +296,31 @@ impl Absent {
         let Some(field) = field.filter(|field| !field.is_empty()) else { return Ok(None) };
         let index = index(field, what)?.of(count);
         if index.is_none() {
-            self.line = if self.count == 0 { line } else { self.line };
-            self.count += 1;
+            self.add(line);
         }
         Ok(index)
     }
 
-    /// Sentence for the user, if there is something to tell.
-    fn warning(&self, what: &str) -> Option<String> {
+    fn add(&mut self, line: usize) {
+        self.line = if self.count == 0 { line } else { self.line };
+        self.count += 1;
+    }
+
+    /// Sentence about faces that are left out, if there are any.
+    fn faces(&self) -> Option<String> {
+        match *self {
+            Self { count: 0, .. } => None,
+            Self { count: 1, line } => {
+                Some(format!("the face in line {line} names a vertex that does not exist: it is left out"))
+            }
+            Self { count, line } => Some(format!(
+                "{count} faces name vertices that do not exist, the first in line {line}: they are left out"
+            )),
+        }
+    }
+
+    /// Sentence about corners that have less than they say, if there are any.
+    fn corners(&self, what: &str) -> Option<String> {
         let Self { count, line } = self;
         (*count > 0).then(|| {
             format!("{count} corners of faces name {what} that do not exist, the first in line {line}: they have none")
@@ -333,12 +361,4 @@ impl Index {
 fn index(field: &[u8], what: &str) -> Result<Index, String> {
     let number = std::str::from_utf8(field).ok().and_then(|field| field.parse().ok()).map(Index);
     number.ok_or_else(|| format!("{} should be the number of a {what}", quoted(field)))
-}
-
-fn absent(what: &str, Index(number): Index, count: usize) -> String {
-    let right = format!("1 to {count} or -1 to -{count}");
-    match count {
-        0 => format!("the {what} {number} does not exist: there are none above this line"),
-        _ => format!("the {what} {number} does not exist: the lines above allow {right}"),
-    }
 }

@@ -1,10 +1,10 @@
 //! Textures of MTL, read once each and laid out as principled materials have them.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use raggio_images::{Bitmap, Limits, Texels, decode};
+use raggio_images::{Bitmap, Image, Limits, Texels};
 
 use super::bump::{holds_normals, normals_of_heights};
 use super::lookup::{Found, Lookup};
@@ -59,8 +59,9 @@ impl<'a> Textures<'a> {
         }
     }
 
-    pub(crate) fn into_warnings(self) -> Vec<String> {
-        self.warnings
+    /// Sentences for the user, and the paths of all images that were found.
+    pub(crate) fn finish(self) -> (Vec<String>, BTreeSet<PathBuf>) {
+        (self.warnings, self.lookup.into_found())
     }
 
     /// The texture, or a warning where it cannot be read.
@@ -108,15 +109,17 @@ impl<'a> Textures<'a> {
 
     fn read(&mut self, path: &Path, name: &str) -> Option<Arc<Bitmap>> {
         let limits = Limits { most_bytes: self.bytes_left, ..Limits::default() };
-        let bitmap = read(path, self.bytes_left)
-            .and_then(|bytes| decode(&bytes, &limits).map_err(|error| error.problem.to_string()));
-        match bitmap {
-            Ok(bitmap) => {
+        let image = read(path, self.bytes_left)
+            .and_then(|bytes| Image::decode(&bytes, &limits).map_err(|error| error.problem.to_string()));
+        let name = quoted(name.as_bytes());
+        match image {
+            Ok(Image { bitmap, warnings }) => {
+                warnings.iter().for_each(|warning| self.warn(&format!("the texture {name}: {warning}")));
                 self.bytes_left = self.bytes_left.saturating_sub(texel_bytes(&bitmap));
                 Some(Arc::new(bitmap))
             }
             Err(problem) => {
-                self.warn(&format!("the texture {} is not used: it {problem}", quoted(name.as_bytes())));
+                self.warn(&format!("the texture {name} is not used: it {problem}"));
                 None
             }
         }

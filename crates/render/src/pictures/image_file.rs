@@ -69,6 +69,11 @@ impl ImageFile {
         Self { png_bits, ..self }
     }
 
+    /// This file with `folder` as its refuge, as [`OutputFile::with_refuge`] has it.
+    pub fn with_refuge(self, folder: &Path) -> Self {
+        Self { file: self.file.with_refuge(folder), ..self }
+    }
+
     /// Path of the file.
     pub fn path(&self) -> &Path {
         self.file.path()
@@ -77,6 +82,14 @@ impl ImageFile {
     /// The file without its format.
     pub fn file(&self) -> &OutputFile {
         &self.file
+    }
+
+    /// Checks that the file takes the place of none of `inputs`, as [`OutputFile::check_apart`] does.
+    ///
+    /// # Errors
+    /// An [`OutputError`] that names the input.
+    pub fn check_apart<'a>(&self, inputs: impl IntoIterator<Item = &'a Path>) -> Result<(), OutputError> {
+        self.file.check_apart(inputs).map_err(|source| OutputError::Unwritable { path: self.path().into(), source })
     }
 
     /// Whether the file can hold layers and metadata beside the picture.

@@ -1,11 +1,22 @@
 //! Files that are written whole or not at all.
 
+use std::collections::BTreeSet;
 use std::fs::{File, Metadata};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use raggio_scene::display_name;
+use tempfile::NamedTempFile;
 
 /// Most links that are followed from a name to a file, as systems have it.
 const MOST_LINKS: usize = 40;
+
+/// Most names that are tried for a file in its refuge.
+const MOST_NAMES: usize = 1000;
+
+/// Paths of temporary files.
+static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 /// A file to be written, whose place is found before any work is spent on what it will hold.
 ///
@@ -17,6 +28,8 @@ const MOST_LINKS: usize = 40;
 pub struct OutputFile {
     path: PathBuf,
     target: Target,
+    /// Folder for what cannot be written to its place.
+    refuge: Option<PathBuf>,
 }
 
 /// Place that a name leads to.
@@ -36,9 +49,9 @@ impl OutputFile {
     pub fn new(path: &Path) -> io::Result<Self> {
         let target = Target::of(path)?;
         if let Target::File(place) = &target {
-            temporary_beside(place)?;
+            Temporary::beside(place)?;
         }
-        Ok(Self { path: path.into(), target })
+        Ok(Self { path: path.into(), target, refuge: None })
     }
 
     /// Path of the file, as it was given.
@@ -54,17 +67,60 @@ impl OutputFile {
         }
     }
 
+    /// Checks that the file takes the place of none of `inputs`, by whatever names and links they are called.
+    ///
+    /// # Errors
+    /// An error that names the input.
+    pub fn check_apart<'a>(&self, inputs: impl IntoIterator<Item = &'a Path>) -> io::Result<()> {
+        let Some(place) = self.place() else { return Ok(()) };
+        match inputs.into_iter().find(|input| is_same_file(place, input)) {
+            Some(input) => Err(io::Error::other(format!("it would replace what is read, {}", display_name(input)))),
+            None => Ok(()),
+        }
+    }
+
+    /// This file with `folder` as its refuge: what cannot be written to its place goes there, under its name or the next
+    /// that is free. A folder that is not there is no refuge.
+    pub fn with_refuge(self, folder: &Path) -> Self {
+        Self { refuge: folder.canonicalize().ok(), ..self }
+    }
+
     /// Writes the file. A folder that has vanished since the place was found is made again: what took hours is not lost
     /// for somebody's tidiness.
     ///
     /// # Errors
-    /// The system's error when the file cannot be written; nothing is left of it then.
+    /// The system's error when the file cannot be written to its place; it names the file in the refuge if there is one,
+    /// and otherwise nothing is left of it.
     pub fn write(&self, bytes: &[u8]) -> io::Result<()> {
-        if let Some(folder) = self.place().and_then(Path::parent) {
-            std::fs::create_dir_all(folder)?;
-        }
-        self.target.write(|file| file.write_all(bytes))
+        let folder = self.place().and_then(Path::parent).map_or(Ok(()), std::fs::create_dir_all);
+        let written = folder.and_then(|()| self.target.write(|file| file.write_all(bytes)));
+        written.map_err(|error| match self.rescue(bytes) {
+            Some(path) => io::Error::new(error.kind(), format!("{error}: it is in {} instead", display_name(&path))),
+            None => error,
+        })
     }
+
+    /// Writes a file into the refuge, if that is another folder than the file's own. Returns its name there.
+    fn rescue(&self, bytes: &[u8]) -> Option<PathBuf> {
+        let name = Path::new(self.place()?.file_name()?);
+        let folder = self.refuge.as_deref().filter(|folder| self.place().and_then(Path::parent) != Some(folder))?;
+        let mut temporary = Temporary::new(folder).ok()?;
+        temporary.file().and_then(|file| file.write_all(bytes).and_then(|()| file.sync_all())).ok()?;
+        let ending = name.extension().map(|ending| format!(".{}", ending.to_string_lossy())).unwrap_or_default();
+        let stem = name.file_stem()?.to_string_lossy();
+        let numbered = (2..=MOST_NAMES).map(|number| PathBuf::from(format!("{stem}-{number}{ending}")));
+        std::iter::once(name.to_path_buf()).chain(numbered).find(|name| temporary.take_free(&folder.join(name)))
+    }
+}
+
+/// Removes what there is of files that are being written, for a program that ends at once. Whoever is writing one waits
+/// for that end.
+pub fn abandon_files() {
+    let unfinished = unfinished();
+    for path in unfinished.iter() {
+        let _ = std::fs::remove_file(path);
+    }
+    std::mem::forget(unfinished);
 }
 
 /// Writes `bytes` to `path`, whole or not at all, as an [`OutputFile`] does.
@@ -115,18 +171,27 @@ impl Target {
             Self::Stream(path) => return write(&mut File::options().append(true).open(path)?),
             Self::File(place) => place,
         };
-        let mut temporary = temporary_beside(place)?;
+        let mut temporary = Temporary::beside(place)?;
         #[cfg(unix)]
         if let Ok(replaced) = place.metadata() {
             use std::os::unix::fs::PermissionsExt;
             let mode = replaced.permissions().mode() & 0o777;
-            temporary.as_file().set_permissions(std::fs::Permissions::from_mode(mode))?;
+            temporary.file()?.set_permissions(std::fs::Permissions::from_mode(mode))?;
         }
-        write(temporary.as_file_mut())?;
-        temporary.as_file().sync_all()?;
-        temporary.persist(place).map_err(|e| e.error)?;
-        Ok(())
+        write(temporary.file()?)?;
+        temporary.replace(place)
     }
+}
+
+/// Whether the file at `place`, a path without links, is the one called `other`.
+fn is_same_file(place: &Path, other: &Path) -> bool {
+    // A folder that is mounted twice has two canonical paths, and a file with two names (hard links) is meant to be one.
+    #[cfg(unix)]
+    if let (Ok(there), Ok(other)) = (place.metadata(), other.metadata()) {
+        use std::os::unix::fs::MetadataExt;
+        return (there.dev(), there.ino()) == (other.dev(), other.ino());
+    }
+    other.canonicalize().is_ok_and(|other| other == place)
 }
 
 /// Whether names in the folder stand for the files that a program has open: `/dev/stdout` leads there.
@@ -179,14 +244,68 @@ fn refuse_planted(_: &Path, _: &Metadata) -> io::Result<()> {
     Ok(())
 }
 
-/// Temporary file in the folder of `place`, hidden, which vanishes unless it is kept.
-fn temporary_beside(place: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".raggio-");
-    // Permissions are those of any new file: the temporary one would be for its owner alone.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(place.parent().unwrap_or(Path::new("."))).map_err(|e| of_system(&e))
+fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A hidden file that vanishes unless it is kept, also where the program ends early. What its name stands for only changes
+/// while the list of such files is locked.
+struct Temporary {
+    /// The file, until it has another name.
+    file: Option<NamedTempFile>,
+    path: PathBuf,
+}
+
+impl Temporary {
+    /// A file in the folder of `place`.
+    fn beside(place: &Path) -> io::Result<Self> {
+        Self::new(place.parent().unwrap_or(Path::new(".")))
+    }
+
+    fn new(folder: &Path) -> io::Result<Self> {
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".raggio-");
+        // Permissions are those of any new file: the temporary one would be for its owner alone.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let mut unfinished = unfinished();
+        let file = builder.tempfile_in(folder).map_err(|e| of_system(&e))?;
+        let path = file.path().to_path_buf();
+        unfinished.insert(path.clone());
+        Ok(Self { file: Some(file), path })
+    }
+
+    fn file(&mut self) -> io::Result<&mut File> {
+        self.file.as_mut().map(NamedTempFile::as_file_mut).ok_or_else(|| io::ErrorKind::NotFound.into())
+    }
+
+    /// Puts the file, once all of it has reached the disk, in the place of whatever is there.
+    fn replace(mut self, place: &Path) -> io::Result<()> {
+        self.file()?.sync_all()?;
+        let _unfinished = unfinished();
+        self.file.take().map_or(Ok(()), |file| file.persist(place).map(drop).map_err(|e| e.error))
+    }
+
+    /// Gives the file a name that is free, if this one is. Returns whether it was.
+    fn take_free(&mut self, place: &Path) -> bool {
+        let _unfinished = unfinished();
+        let Some(file) = self.file.take() else { return false };
+        match file.persist_noclobber(place) {
+            Ok(_) => true,
+            Err(error) => {
+                self.file = Some(error.file);
+                false
+            }
+        }
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        let mut unfinished = unfinished();
+        self.file = None;
+        unfinished.remove(&self.path);
+    }
 }
 
 /// The system's own words: `tempfile` puts the name of a temporary file behind them, which nobody has asked for.
@@ -194,4 +313,33 @@ fn of_system(error: &io::Error) -> io::Error {
     let words = error.to_string();
     let words = words.split_once(" at path \"").map_or(words.as_str(), |(words, _)| words);
     io::Error::new(error.kind(), words)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::process::Command;
+
+    use super::*;
+
+    /// Abandons a file in a program of its own, which is this test once more: no file is written after that.
+    #[test]
+    fn an_abandoned_file_leaves_nothing() {
+        const FOLDER: &str = "RAGGIO_TEST_ABANDONED";
+        if let Some(folder) = std::env::var_os(FOLDER) {
+            let path = Path::new(&folder).join("a.png");
+            let written = write_whole_with(&path, |file| {
+                file.write_all(b"half of it")?;
+                let count = std::fs::read_dir(&folder)?.count();
+                abandon_files();
+                std::process::exit(if count == 1 { 42 } else { 1 })
+            });
+            panic!("{written:?}");
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut again = Command::new(std::env::current_exe().expect("a program"));
+        again.args(["--exact", "pictures::output_file::tests::an_abandoned_file_leaves_nothing"]);
+        let status = again.env(FOLDER, folder.path()).status().expect("the program starts");
+        assert_eq!(status.code(), Some(42));
+        assert_eq!(std::fs::read_dir(folder.path()).expect("the folder").count(), 0);
+    }
 }

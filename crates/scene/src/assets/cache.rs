@@ -90,6 +90,10 @@ impl<T> Cache<T> {
         self.entries.keys().map(|key| key.path.as_path())
     }
 
+    pub(super) fn values(&self) -> impl Iterator<Item = &T> {
+        self.entries.values().map(|entry| &*entry.value)
+    }
+
     /// Forgets the files that have changed. Returns whether there was one.
     pub(super) fn refresh(&mut self) -> bool {
         let before = self.entries.len();

@@ -1,5 +1,6 @@
 //! A model as scenes use it.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
@@ -18,6 +19,10 @@ pub(crate) struct Imported {
     pub materials: Vec<(String, Arc<Principled>)>,
     pub lights: Vec<Light>,
     pub cameras: Vec<Camera>,
+    /// Whether the file has animations.
+    pub is_animated: bool,
+    /// Files that the model's own names and that were opened, by their canonical paths.
+    pub files: Vec<PathBuf>,
     /// Warnings, one sentence each, without the file's name.
     pub warnings: Vec<String>,
     /// Whether any part of an instance has no material of the file's.
@@ -28,7 +33,7 @@ pub(crate) struct Imported {
 
 impl Imported {
     pub(super) fn new(model: Model) -> Self {
-        let Model { meshes, mut instances, materials, mut lights, cameras, mut warnings } = model;
+        let Model { meshes, mut instances, materials, mut lights, is_animated, cameras, files, mut warnings } = model;
         let bounds: Vec<Bounds> = meshes.iter().map(|mesh| Bounds::of(mesh)).collect();
         let in_file = instances.len();
         instances.retain(|instance| {
@@ -55,7 +60,7 @@ impl Imported {
         let is_bare = |mesh: &Arc<Mesh>| mesh.parts.iter().any(|part| part.material.is_none());
         let bare: Vec<bool> = meshes.iter().map(is_bare).collect();
         let has_bare_parts = instances.iter().any(|instance| bare[instance.mesh]);
-        Self { meshes, instances, materials, lights, cameras, warnings, has_bare_parts, bounds }
+        Self { meshes, instances, materials, lights, cameras, is_animated, files, warnings, has_bare_parts, bounds }
     }
 
     /// A box around an instance, which may be larger than need be.

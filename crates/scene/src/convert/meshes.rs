@@ -19,10 +19,16 @@ use crate::scene::{Geometry, Material, Placement, Shape, rotation};
 impl Files<'_> {
     /// Image of that name: an absolute path stays as it is, others are relative to the scene's folder.
     pub(super) fn image(&mut self, name: &str, at: Vec<Step>) -> Result<Arc<Bitmap>, Fault> {
-        self.read(name, at, Assets::image)
+        let picture = self.read(name, at.clone(), Assets::image)?;
+        if !picture.warnings.is_empty() && self.warned.insert(self.folder.join(name)) {
+            let name = names::printable(name);
+            let warn = |warning: &String| Fault::value(at.clone(), names::escaped(&format!("{name}: {warning}")));
+            self.warnings.extend(picture.warnings.iter().map(warn));
+        }
+        Ok(picture.bitmap.clone())
     }
 
-    fn model(&mut self, mesh: &MeshFile, at: Vec<Step>) -> Result<Arc<Imported>, Fault> {
+    pub(super) fn model(&mut self, mesh: &MeshFile, at: Vec<Step>) -> Result<Arc<Imported>, Fault> {
         let time_seconds = mesh.time.map(f64::from);
         self.read(&mesh.file, at, |assets, path| assets.model(path, time_seconds))
     }

@@ -98,6 +98,35 @@ fn the_time_is_the_scenes_unless_somebody_says_another() {
 }
 
 #[test]
+fn a_time_of_a_model_without_animations() {
+    let folder = folder();
+    folder.write("still.gltf", MODEL.replace("animations", "extras"));
+    let still = "[[shapes]]\nmesh = { file = \"still.gltf\", time = 2 }\n";
+    let [warning] = &folder.scene(still).warnings[..] else { panic!("one warning") };
+    assert_eq!(
+        folder.shown(warning),
+        "scene.toml:7:31: `time` in `mesh` of shape 1 does nothing: still.gltf has no animations"
+    );
+    let timed = || Assets::new(AssetOptions { time_seconds: Some(1.0), ..AssetOptions::default() });
+    let shown = Scene::load_with(&folder.path("still.gltf"), &mut timed()).unwrap();
+    let expected = "a time is given, but nothing in the scene moves: its .gltf and .glb files have no animations";
+    assert_eq!(shown.warnings, [expected]);
+    // One that moves is enough for a time to make sense.
+    let both = format!("{still}[[shapes]]\nmesh = {{ file = \"model.gltf\" }}\n");
+    assert_eq!(folder.read(&both, &mut timed()).unwrap().warnings, [""; 0]);
+}
+
+#[test]
+fn files_that_a_model_names_are_those_of_the_scene() {
+    let folder = folder();
+    let mut assets = Assets::default();
+    folder.read(&format!("{SHAPE}mesh = {{ file = \"model.gltf\" }}\n"), &mut assets).unwrap();
+    let mut files: Vec<_> = assets.all_files().map(std::path::Path::to_path_buf).collect();
+    files.sort();
+    assert_eq!(files, ["model.bin", "model.gltf"].map(|name| folder.path(name).canonicalize().unwrap()));
+}
+
+#[test]
 fn a_model_may_name_no_file_outside_its_folder_unless_it_is_allowed_to() {
     let folder = folder();
     std::fs::create_dir(folder.path("sub")).unwrap();

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use raggio_scene::{Environment, Texels, Texture, TextureFilter, Wrap};
+use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Image, WritableImage};
+use raggio_scene::{Assets, Environment, Texels, Texture, TextureFilter, Wrap};
 
 use crate::assets::files::Folder;
 
@@ -34,6 +35,27 @@ fn a_damaged_image_is_named() {
     let error = folder.error("[materials.a.principled]\nnormal_map = \"text.png\"\n");
     assert!(error.starts_with("scene.toml:7:14: text.png: is not an image"), "{error}");
     assert_eq!(folder.error("[environment]\nimage = \".\"\n"), "scene.toml:7:9: .: is not a file");
+}
+
+#[test]
+fn images_say_how_they_were_read() {
+    let folder = Folder::new();
+    let names = ["albedo", "view"].into_iter().flat_map(|layer| ["B", "G", "R"].map(|last| format!("{layer}.{last}")));
+    let channel = |name: String| AnyChannel::new(name.as_str(), FlatSamples::F32(vec![0.5]));
+    let channels = AnyChannels::sort(names.map(channel).collect());
+    Image::from_channels((1, 1), channels).write().to_file(folder.path("layers.exr")).unwrap();
+    let body = "[environment]\nimage = \"layers.exr\"\n\
+        [materials.a.principled]\nbase_color_texture = \"layers.exr\"\nemissive_texture = \"layers.exr\"\n";
+    let mut assets = Assets::default();
+    let warning = "layers.exr: it has the layers `albedo`, `view`: `albedo` is taken";
+    // Once, wherever it is used, and also where the image has been read before.
+    for _ in 0..2 {
+        let warnings = folder.read(body, &mut assets).unwrap().warnings;
+        assert_eq!(warnings, [format!("{}:7:9: {warning}", folder.path("scene.toml").display())]);
+    }
+    let body = "[environment]\ncolor = [1, 1, 1]\n[materials.a.principled]\nnormal_map = \"layers.exr\"\n";
+    let warnings = folder.scene(body).warnings;
+    assert_eq!(warnings, [format!("{}:9:14: {warning}", folder.path("scene.toml").display())]);
 }
 
 /// The normal map of a material with these keys.

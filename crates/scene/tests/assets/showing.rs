@@ -154,7 +154,7 @@ fn what_cannot_be_shown_is_said_of_the_model() {
     assert_eq!(error("points.obj"), "points.obj: has no triangles, so there is nothing to be seen");
     folder.write("point.obj", "v 1 2 3\nv 1 2 3\nf 1 2 2\n");
     assert_eq!(error("point.obj"), "point.obj: has no triangles, so there is nothing to be seen");
-    folder.write("wrong.obj", "v 0 0 0\nf 1 2 3\n");
+    folder.write("wrong.obj", "v 0 0 0\nf x 1 1\n");
     assert!(error("wrong.obj").starts_with("wrong.obj:2: "), "{}", error("wrong.obj"));
     folder.write("cut.ply", "ply\n");
     assert!(error("cut.ply").starts_with("cut.ply:"), "{}", error("cut.ply"));

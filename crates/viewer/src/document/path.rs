@@ -10,7 +10,7 @@ const MOST_NAMES: usize = 8;
 
 impl Document {
     /// Sets one key to a TOML value: `materials.red.color` to `[1, 0, 0]`, `shapes.2.sphere.radius` to `0.5`. Shapes
-    /// and components are counted from 0, names in need of quotes have them as in TOML. Returns whether the text
+    /// and components are counted from 1, names in need of quotes have them as in TOML. Returns whether the text
     /// changed.
     ///
     /// # Errors
@@ -49,8 +49,9 @@ fn set(toml: &mut DocumentMut, keys: &[Key], value: Value) -> Result<(), EditErr
 fn step<'a>(item: &'a mut Item, key: &str, place: &[&str]) -> Result<&'a mut Item, EditError> {
     let here = named(place);
     if let Some(count) = length(item) {
-        let found = key.parse::<usize>().ok().and_then(|index| item.get_mut(index));
-        return found.ok_or_else(|| EditError::Path(format!("{here} has no `{key}`: it has {count}, counted from 0")));
+        let index = key.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
+        let found = index.and_then(|index| item.get_mut(index));
+        return found.ok_or_else(|| EditError::Path(format!("{here} has no `{key}`: it has {count}, counted from 1")));
     }
     let Some(table) = item.as_table_like_mut() else {
         return Err(EditError::Path(format!("{here} is a single value: it has no `{key}`")));

@@ -69,7 +69,9 @@ impl Transition {
 fn between(from: &Camera, to: &Camera, part: f64) -> Camera {
     let mix = |from: f32, to: f32| (f64::from(from) + (f64::from(to) - f64::from(from)) * part) as f32;
     let up = slerp(vertical(from), vertical(to), part, axes(from).forward);
+    let height = from.orthographic_height.zip(to.orthographic_height).map(|(from, to)| mix(from, to));
     let mut camera = Camera {
+        orthographic_height: height.or(to.orthographic_height),
         position: from.position.as_dvec3().lerp(to.position.as_dvec3(), part).as_vec3(),
         up: up.as_vec3(),
         vertical_fov_degrees: mix(from.vertical_fov_degrees, to.vertical_fov_degrees),

@@ -23,15 +23,22 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     table(ui, "camera", |ui| {
         row(ui, "position", |ui| vector(ui, &mut camera.position, speed));
         row(ui, "look at", |ui| vector(ui, &mut camera.look_at, speed));
-        row(ui, "field of view", |ui| {
-            ui.add(
-                DragValue::new(&mut camera.vertical_fov_degrees)
-                    .speed(0.1)
-                    .range(1.0..=170.0)
-                    .clamp_existing_to_range(false)
-                    .suffix(" °"),
-            )
-        });
+        match &mut camera.orthographic_height {
+            Some(height) => row(ui, "height", |ui| {
+                let step = *height * 0.01;
+                number(ui, height, step, 1e-9..=1e9)
+                    .on_hover_text("height of the picture in the scene's units: all rays are parallel")
+            }),
+            None => row(ui, "field of view", |ui| {
+                ui.add(
+                    DragValue::new(&mut camera.vertical_fov_degrees)
+                        .speed(0.1)
+                        .range(1.0..=170.0)
+                        .clamp_existing_to_range(false)
+                        .suffix(" °"),
+                )
+            }),
+        };
         row(ui, "aperture", |ui| {
             let step = (camera.aperture_radius * 0.02).max(speed * 0.02);
             number(ui, &mut camera.aperture_radius, step, 0.0..=1e6)

@@ -97,6 +97,7 @@ fn step(line: &str) -> Result<Step, String> {
             let change = Edit::Key(key.to_owned(), value.to_owned());
             (!value.is_empty()).then_some(Step::Do(Command::Edit(change)))
         }
+        "select" if rest == "0" => return Err("shapes are counted from 1: write `select 1` for the first".to_owned()),
         "camera" => return camera(rest).map(|camera| Step::Do(Command::PasteCamera(camera))),
         _ if form.is_empty() && rest.is_empty() => plain(word),
         _ => parameters(word, &rest.split_whitespace().collect::<Vec<_>>()),
@@ -190,7 +191,7 @@ fn parameters(word: &str, words: &[&str]) -> Option<Step> {
         }
         ("preset", [name]) => Command::Preset(name.parse().ok()?),
         ("select", ["none"]) => Command::Select(None),
-        ("select", [shape]) => Command::Select(Some(number(shape)?)),
+        ("select", [shape]) => Command::Select(Some(number::<usize>(shape)?.checked_sub(1)?)),
         ("add", ["sphere", center, radius]) => {
             let center: Vec<f32> = center.split(',').map(number).collect::<Option<_>>()?;
             let [x, y, z] = center[..] else { return None };
@@ -306,12 +307,22 @@ mod tests {
     }
 
     #[test]
+    fn shapes_are_counted_from_one() {
+        let selected = |line: &str| match step(line) {
+            Ok(Step::Do(Command::Select(shape))) => shape,
+            other => panic!("{line}: {other:?}"),
+        };
+        assert_eq!([selected("select 1"), selected("select 12"), selected("select none")], [Some(0), Some(11), None]);
+    }
+
+    #[test]
     fn mistakes_name_their_line_and_what_would_be_right() {
         let message = |text: &str| steps(text, "tour.txt").unwrap_err().to_string();
         assert_eq!(
             message("# a tour\n\nwait long"),
             "tour.txt:3: write `wait 30 frames | 1.5 s | 64 samples | export | denoised | 1 reloads | 1 saves | 1 kernels`"
         );
+        assert_eq!(message("select 0"), "tour.txt:1: shapes are counted from 1: write `select 1` for the first");
         assert!(message("jump").starts_with("tour.txt:1: unknown word `jump`: a line begins with one of wait, press"));
         for wrong in [
             "press Q+Z",
@@ -326,6 +337,8 @@ mod tests {
             "pause now",
             "export",
             "camera x",
+            "select first",
+            "select -1",
         ] {
             assert!(message(wrong).starts_with("tour.txt:1: "), "{wrong}");
         }

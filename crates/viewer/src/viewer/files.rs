@@ -100,6 +100,7 @@ impl Viewer {
         }
         let document =
             Document::open_with(path, AssetOptions { camera: None, ..self.document.assets().options().clone() })?;
+        document.check_apart(&self.outputs)?;
         self.tracer.set_scene(document.scene(), &document.scene().camera)?;
         let preset = self.pilot.preset();
         self.pilot = Pilot::new(document.scene());

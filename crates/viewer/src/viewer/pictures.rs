@@ -1,6 +1,6 @@
 //! The picture, on the screen and in files.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use raggio_render::{Comparison, ImageFile, Metadata, Pixels, View};
@@ -121,7 +121,8 @@ impl Viewer {
             self.notices.fail(format!("{busy} is being rendered: {} has to wait", request.path.display()));
             return Ok(());
         }
-        let file = ImageFile::new(&request.path)?;
+        let file = ImageFile::new(&request.path)?.with_refuge(Path::new("."));
+        file.check_apart(self.document.files())?;
         let display = self.settings.look.of_files();
         let size = request.size.unwrap_or(self.tracer.full_size());
         let (film, has) = self.tracer.radiance()?;

@@ -157,6 +157,17 @@ fn a_scene_is_not_saved_where_it_would_not_find_its_models() {
 }
 
 #[test]
+fn a_scene_is_not_saved_over_what_it_is_made_of() {
+    let (folder, mut it) = opened();
+    let model = fs::read(folder.path().join("it.obj")).unwrap();
+    let error = it.save_as(&folder.path().join("it.obj")).unwrap_err().to_string();
+    assert!(error.contains("it.obj: cannot be written: it would replace what is read, "), "{error}");
+    assert_eq!(fs::read(folder.path().join("it.obj")).unwrap(), model);
+    assert_eq!(it.path(), folder.path().join("it.toml"));
+    it.save().unwrap();
+}
+
+#[test]
 fn a_step_whose_model_is_gone_is_not_undone() {
     let (folder, mut it) = opened();
     it.remove_shape(0).unwrap();

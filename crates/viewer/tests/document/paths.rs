@@ -10,9 +10,9 @@ fn paths_lead_to_keys_in_every_form() {
             ("materials.red.color", "[1, 0, 0]"),
             ("materials.\"matt white\".smoothness", "0.5"),
             ("materials.blue", "{ color = [0, 0, 1] }"),
-            ("shapes.0.sphere.radius", "0.5"),
-            ("shapes.0.material", "\"blue\""),
-            ("shapes.1.plane.point.1", "-1"),
+            ("shapes.1.sphere.radius", "0.5"),
+            ("shapes.1.material", "\"blue\""),
+            ("shapes.2.plane.point.2", "-1"),
             ("camera.position", "[0, 2, 5]"),
             ("environment.color", "[1, 1, 1]"),
             ("environment", "{ horizon = [1, 1, 1], zenith = [0, 0, 1] }"),
@@ -34,17 +34,19 @@ fn comments_stay() {
     let after = edited(HEADERS, |it| it.edit_path("materials.red.color", "[1, 0, 0]").unwrap());
     assert_eq!(after, with(HEADERS, "[ 0.8, 0.1, 0.1 ]", "[1, 0, 0]"));
     let after =
-        edited(DOTTED, |it| it.edit_path("shapes.1.plane", "{ point = [0, 1, 0], normal = [0, 1, 0] }").unwrap());
+        edited(DOTTED, |it| it.edit_path("shapes.2.plane", "{ point = [0, 1, 0], normal = [0, 1, 0] }").unwrap());
     assert_eq!(after, DOTTED.replace("point = [0, 0, 0]", "point = [0, 1, 0]").replace("[0, 2, 0]", "[0, 1, 0]"));
 }
 
 #[test]
 fn wrong_paths_say_what_there_is() {
     for (path, value, message) in [
-        ("shapes.7.sphere.radius", "1", "`shapes` has no `7`: it has 2, counted from 0"),
-        ("shapes.first.material", "\"red\"", "`shapes` has no `first`: it has 2, counted from 0"),
+        ("shapes.7.sphere.radius", "1", "`shapes` has no `7`: it has 2, counted from 1"),
+        ("shapes.0.sphere.radius", "1", "`shapes` has no `0`: it has 2, counted from 1"),
+        ("shapes.2.plane.point.0", "1", "`shapes.2.plane.point` has no `0`: it has 3, counted from 1"),
+        ("shapes.first.material", "\"red\"", "`shapes` has no `first`: it has 2, counted from 1"),
         ("materials.rde.color", "[1, 0, 0]", "`materials` has no `rde`: it has `red`, `matt white`"),
-        ("camera.position.0.x", "1", "`camera.position.0` is a single value: it has no `x`"),
+        ("camera.position.1.x", "1", "`camera.position.1` is a single value: it has no `x`"),
         ("camera.", "1", "`camera.` is no path of a key"),
         ("shapes", "[]", "`shapes` is a list of tables: name one of them"),
         ("camera", "1", "`camera` is a table: give all of it in braces, or one of its keys a value"),
