@@ -203,7 +203,7 @@ fn lanes_agree_with_the_interpreter() {
 
 /// Random kernels of a run: `RAGGIO_LANES_KERNELS` asks for more.
 fn random_kernels() -> u32 {
-    std::env::var("RAGGIO_LANES_KERNELS").ok().and_then(|count| count.parse().ok()).unwrap_or(40)
+    std::env::var("RAGGIO_LANES_KERNELS").ok().and_then(|count| count.parse().ok()).unwrap_or(60)
 }
 
 /// A matrix of `rows` rows, with rows and columns exchanged.
