@@ -442,6 +442,13 @@ LANES_INLINE void scatter(char* to, Mask mask, Uint place, uint32_t stride, size
     });
 }
 
+// A word of an array. Words that were never written are handed over by their place: compilers may take a call with such a
+// value for one that cannot happen.
+LANES_INLINE Float own_word(const Float* array, uint32_t word) { return array[word]; }
+LANES_INLINE void set_own_word(Float* array, Mask mask, uint32_t word, Float value)
+{
+    array[word] = choose(mask, value, array[word]);
+}
 // The word of an array that each lane's index chooses.
 LANES_INLINE Float own_word(const Float* array, Mask mask, Uint place, uint32_t stride, uint32_t word)
 {

@@ -109,7 +109,8 @@ impl Text {
         a
     }
 
-    /// Declares all registers but the first `parameters`, which are the function's.
+    /// Declares all registers but the first `parameters`, which are the function's. They begin with zeros: a lane that is
+    /// not active may compute with what was never assigned, and C++ lets a compiler assume that nobody does.
     pub fn declare(&mut self, registers: &[Held], parameters: usize, varies: impl Fn(Register) -> bool) {
         for (register, held) in registers.iter().enumerate().skip(parameters) {
             let known = self.registers[register].clone();
@@ -132,7 +133,7 @@ impl Text {
                         *text = format!("const {kind} {text}");
                     }
                 }
-                _ => self.blocks[around].declarations.push(format!("{kind} v{register};")),
+                _ => self.blocks[around].declarations.push(format!("{kind} v{register} = {{}};")),
             }
         }
     }

@@ -143,25 +143,30 @@ impl Emitter<'_> {
         };
         // Lanes of the second way alone go on where those of the first have all left.
         let leaves = !crate::simplify::falls(yes);
-        let mut ways = vec![];
+        let (mut ways, mut starts) = (vec![], vec![]);
         for (i, nodes) in [yes, no].into_iter().enumerate() {
             let goes_on = i == 1 && leaves;
             let inner = if !varies {
                 if nodes.is_empty() && !goes_on {
                     ways.push(Some((block, masks[i].clone())));
+                    starts.push(block);
                     continue;
                 }
                 let head = if i == 0 { format!("if ({})", self.scalar(condition, block)) } else { "else".into() };
                 self.text.block(block, head)
-            } else if nodes.is_empty() && !goes_on || is_small(nodes) && !goes_on {
+            } else if is_small(nodes) && !goes_on {
                 block
             } else {
                 self.text.block(block, format!("if (any({}))", masks[i]))
             };
+            starts.push(inner);
             ways.push(self.list(nodes, inner, masks[i].clone()));
         }
-        let all = |way: &Way, mask: &String| way.as_ref().is_some_and(|(_, end)| end == mask);
-        if all(&ways[0], &masks[0]) && all(&ways[1], &masks[1]) {
+        // Lanes that leave where none parts from the others change no mask, but the block in which the rest goes on.
+        let stay = |way: &Way, start: Block, mask: &str| {
+            way.as_ref().is_some_and(|(end, at_end)| *end == start && at_end == mask)
+        };
+        if (0..2).all(|i| stay(&ways[i], starts[i], &masks[i])) {
             self.text.drop(declaration);
             return Some((block, mask));
         }
@@ -299,11 +304,10 @@ impl Emitter<'_> {
                     }
                     index => {
                         let word = self.word(word, index.as_ref(), block);
-                        let value = format!("as_float({value})");
                         if *masked {
-                            format!("{array}[{word}] = choose({mask}, {value}, {array}[{word}]);")
+                            format!("set_own_word({array}, {mask}, {word}, as_float({value}));")
                         } else {
-                            format!("{array}[{word}] = {value};")
+                            format!("{array}[{word}] = as_float({value});")
                         }
                     }
                 };
@@ -410,7 +414,7 @@ impl Emitter<'_> {
                 let (place, stride) = (self.vector(index.value, block), index.stride);
                 format!("own_word({array}, {mask}, {place}, {stride}, {word})")
             }
-            index => format!("{array}[{}]", self.word(word, index.as_ref(), block)),
+            index => format!("own_word({array}, {})", self.word(word, index.as_ref(), block)),
         }
     }
 

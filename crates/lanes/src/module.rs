@@ -1,6 +1,6 @@
 //! Reader of SPIR-V modules: types, constants, names, decorations and functions with their blocks.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
 use spirv::{BuiltIn, Decoration, Op, StorageClass};
@@ -83,7 +83,7 @@ pub struct Function {
     pub parameters: Vec<(Id, Id)>,
     /// Its first block.
     pub start: Id,
-    pub blocks: HashMap<Id, Block>,
+    pub blocks: BTreeMap<Id, Block>,
 }
 
 /// A variable outside of functions.
@@ -214,7 +214,7 @@ impl Module {
 
             Op::Function => {
                 let parameters = vec![];
-                *function = Some(Function { id: w[1], kind: w[0], parameters, start: 0, blocks: HashMap::default() });
+                *function = Some(Function { id: w[1], kind: w[0], parameters, start: 0, blocks: BTreeMap::new() });
             }
             Op::FunctionParameter => {
                 let function = function.as_mut().ok_or_else(|| Error::Malformed("a parameter of nothing".into()))?;

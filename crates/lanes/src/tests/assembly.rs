@@ -173,6 +173,9 @@ impl Source {
         for name in ["input", "output", "items_", "states", "hook"] {
             let _ = writeln!(text, "OpName %{name} \"{}\"", name.trim_end_matches('_'));
         }
+        for Kernel { name, .. } in &self.kernels {
+            let _ = writeln!(text, "OpName %{name} \"{name}\"");
+        }
         text += DECORATIONS;
         let (types, rest) = DECLARATIONS.split_once("%fn = ").expect("types come first");
         text += types;

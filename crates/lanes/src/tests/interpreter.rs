@@ -305,7 +305,7 @@ fn binary(op: Op, a: u32, b: u32) -> u32 {
         Op::SLessThanEqual => truth(i <= j),
         Op::SGreaterThanEqual => truth(i >= j),
         Op::FOrdEqual => truth(x == y),
-        Op::FOrdNotEqual => truth(x < y || x > y),
+        Op::FOrdNotEqual => truth(!nan && x != y),
         Op::FOrdLessThan => truth(x < y),
         Op::FOrdGreaterThan => truth(x > y),
         Op::FOrdLessThanEqual => truth(x <= y),

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::module::Module;
-use crate::{Options, RUNTIME, translate};
+use crate::{Error, Options, RUNTIME, translate};
 use assembly::{Given, Kernel, Source, WORDS, assemble};
 use interpreter::{Buffers, Interpreter};
 use random::Random;
@@ -203,7 +203,7 @@ fn lanes_agree_with_the_interpreter() {
 
 /// Random kernels of a run: `RAGGIO_LANES_KERNELS` asks for more.
 fn random_kernels() -> u32 {
-    std::env::var("RAGGIO_LANES_KERNELS").ok().and_then(|count| count.parse().ok()).unwrap_or(40)
+    std::env::var("RAGGIO_LANES_KERNELS").ok().and_then(|count| count.parse().ok()).unwrap_or(60)
 }
 
 /// A matrix of `rows` rows, with rows and columns exchanged.
@@ -215,4 +215,32 @@ fn transposed(words: &[u32], rows: usize) -> Vec<u32> {
 #[test]
 fn transposition() {
     assert_eq!(transposed(&[1, 2, 3, 4, 5, 6], 3), [1, 4, 2, 5, 3, 6]);
+}
+
+/// Error of translating one kernel with this body.
+fn error_of(body: &str) -> Option<Error> {
+    let mut source = Source::default();
+    source.kernel("kernel", Given::Words, body);
+    let folder = tempfile::tempdir().expect("there is room for temporary files");
+    let module = assemble(&source.text(), folder.path())?;
+    Some(translate(&module, &["kernel_"], &options()).expect_err("it has no translation"))
+}
+
+#[test]
+fn errors_name_instruction_and_function() {
+    let Some(error) = error_of("%@r = OpFMod %float %@f0 %@f1\n") else { return };
+    assert_eq!(error, Error::Unsupported { instruction: "OpFMod".into(), function: "kernel_".into() });
+    let Some(error) = error_of("%@r = OpExtInst %float %glsl Degrees %@f0\n") else { return };
+    assert_eq!(error.to_string(), "Degrees of GLSL.std.450 in kernel_ has no translation");
+    let Some(error) = error_of("%@r = OpAccessChain %toWord %states %c0 %@u0 %c0\n") else { return };
+    assert!(error.to_string().contains("`states`"), "{error}");
+}
+
+#[test]
+fn damaged_modules_are_errors() {
+    assert!(matches!(translate(&[], &["kernel"], &options()), Err(Error::Malformed(_))));
+    let header = [0x0723_0203, 0x0001_0400, 0, 8, 0];
+    let missing = translate(&header, &["kernel"], &options());
+    assert_eq!(missing.unwrap_err(), Error::Missing("kernel".into()));
+    assert!(matches!(translate(&[&header[..], &[5 << 16 | 43]].concat(), &[], &options()), Err(Error::Malformed(_))));
 }
