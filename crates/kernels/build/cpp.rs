@@ -212,7 +212,7 @@ impl Sources {
 
 /// Functions, by how their names begin, that are long and called from several places: a call costs little beside what
 /// they do, and a copy for every caller costs minutes of the C++ compiler's time.
-const CALLED: [&str; 21] = [
+const CALLED: [&str; 22] = [
     "sobol4D",
     "RoughBoundary_",
     "sheenAlbedo",
@@ -225,6 +225,7 @@ const CALLED: [&str; 21] = [
     "triangleIsThere",
     "firstThere",
     "trace_",
+    "walk_",
     "traceClosestBruteForce",
     "nextVertex",
     "chooseLight",
@@ -263,10 +264,10 @@ fn inlined(kernels: &str) -> Result<String, String> {
     }
 }
 
-/// Puts the walk that is written by hand in the place of `trace`: the generated one gets another name, and `cpp/hook.h`
-/// chooses between the two.
+/// Puts the walk that is written by hand in the place of the generated one: that gets another name, and `cpp/hook.h` chooses
+/// between the two.
 fn hooked(kernels: &str) -> Result<String, String> {
-    const WALK: &str = "walkAsGenerated";
+    const OWN_WALK: &str = "walkAsGenerated";
     let missing = |name: &str| format!("the generated kernels have no function {name} of the form that hook.h expects");
     let names = |start: &str| {
         kernels
@@ -276,29 +277,27 @@ fn hooked(kernels: &str) -> Result<String, String> {
             .find(|declaration| declaration.name.starts_with(start))
             .ok_or_else(|| missing(start))
     };
-    let (trace, triangle, first) = (names("trace_")?, names("triangleIsThere_")?, names("firstThere_")?);
-    let add = names("addToFilm_")?;
-    let [ray, _, _, _, context] = &trace.parameters[..] else { return Err(missing("trace")) };
-    let definition = format!(" {}(", trace.name);
+    let (walk, triangle, first) = (names("walk_")?, names("triangleIsThere_")?, names("firstThere_")?);
+    let [ray, _, _, hit, context] = &walk.parameters[..] else { return Err(missing("walk")) };
+    let definition = format!(" {}(", walk.name);
     let mut text = String::with_capacity(kernels.len() + 4096);
     for line in kernels.lines() {
-        if line == trace.line {
+        if line == walk.line {
             let _ = writeln!(text, "{line};");
-            text += &line.replacen(&definition, &format!(" {WALK}("), 1);
+            text += &line.replacen(&definition, &format!(" {OWN_WALK}("), 1);
         } else {
             text += line;
         }
         text.push('\n');
     }
     for (name, value) in [
-        ("HIT", trace.result),
-        ("RAY", ray),
-        ("CONTEXT", context),
-        ("TRACE", trace.name),
-        ("WALK", WALK),
+        ("HIT", *hit),
+        ("RAY", *ray),
+        ("CONTEXT", *context),
+        ("WALK", walk.name),
+        ("OWN_WALK", OWN_WALK),
         ("TRIANGLE_IS_THERE", triangle.name),
         ("FIRST_THERE", first.name),
-        ("ADD", add.name),
         ("TRAVERSAL_WORD", &TRAVERSAL_WORD.to_string()),
     ] {
         let _ = writeln!(text, "#define KERNEL_{name} {value}");
@@ -311,7 +310,6 @@ fn hooked(kernels: &str) -> Result<String, String> {
 struct Declaration<'a> {
     line: &'a str,
     name: &'a str,
-    result: &'a str,
     /// Types of the parameters, without what makes pointers of them.
     parameters: Vec<&'a str>,
 }
@@ -322,9 +320,9 @@ impl<'a> Declaration<'a> {
         let head = line.rsplit("__attribute__((").next()?;
         let head = head.split_once(")) ").map_or(head, |(_, head)| head);
         let (head, parameters) = head.strip_suffix(')')?.split_once('(')?;
-        let (result, name) = head.rsplit_once(' ')?;
+        let (_, name) = head.rsplit_once(' ')?;
         let parameters = parameters.split(", ").filter_map(|parameter| parameter.split(' ').next()).collect();
-        Some(Self { line, name, result, parameters })
+        Some(Self { line, name, parameters })
     }
 }
 

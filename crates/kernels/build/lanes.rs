@@ -9,7 +9,7 @@ use crate::declarations::Declarations;
 use crate::layout::Places;
 
 /// Functions that are written by hand, or done lane by lane: `Context` of `cpp/wave.h`.
-const HOOKS: [&str; 2] = ["trace", "addToFilm"];
+const HOOKS: [&str; 2] = ["walk", "addTerms"];
 /// Buffer of the paths that wait between stages.
 const PATHS: &str = "paths";
 
@@ -71,7 +71,7 @@ impl Lanes {
         let mut text = translation.code;
         text += "\n// What wave.h has to know of the kernels.\n";
         text += "namespace lanes {\nstruct Context;\n";
-        for (space, name) in [("path_columns", PATHS), ("work_words", "work")] {
+        for (space, name) in [("path_columns", PATHS), ("work_words", "work"), ("film_words", "film")] {
             let _ = writeln!(text, "namespace {space} {{");
             for (member, word) in reflection.words_of(name)? {
                 let _ = writeln!(text, "constexpr uint32_t {member} = {word};");
@@ -83,7 +83,7 @@ impl Lanes {
             let (_, value) = value.ok_or(format!("the kernels have no constant `{name}`"))?;
             let _ = writeln!(text, "constexpr uint32_t {name} = {value};");
         }
-        for name in ["work", "resting"] {
+        for name in ["work", "film", "resting"] {
             let _ = writeln!(text, "constexpr uint32_t {}_WORD = {};", name.to_uppercase(), places.word(name)?);
         }
         text += "\n/// Addresses of the kernels' buffers.\ninline void fill(Buffers& buffers, const uint64_t* globals) {\n";

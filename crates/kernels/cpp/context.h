@@ -11,32 +11,38 @@ namespace lanes {
 struct Context {
     Buffers buffers;
     const char* work;
+    char* film;
     const uint64_t* globals;
     /// Words of the paths in the queue, from the first lane's on.
     Columns paths;
 
     explicit Context(const uint64_t* globals)
-        : work((const char*)globals[WORK_WORD]), globals(globals), paths{nullptr, 0}
+        : work((const char*)globals[WORK_WORD]), film((char*)globals[FILM_WORD]), globals(globals), paths{nullptr, 0}
     {
         fill(buffers, globals);
     }
 
-    /// Traces the rays of active lanes in turn.
-    RAGGIO_NOINLINE void trace(
+    /// Walks with the rays of active lanes.
+    RAGGIO_NOINLINE void walk(
         Mask mask, Float originX, Float originY, Float originZ, Float directionX, Float directionY, Float directionZ,
-        Uint key, Float limit, Mask any, Float& distance, Uint& shape, Uint& triangle, Float& second, Float& third) const
+        Uint key, Mask any, Float before, Uint shapeBefore, Uint triangleBefore, Float secondBefore, Float thirdBefore,
+        Float& distance, Uint& shape, Uint& triangle, Float& second, Float& third) const
     {
-        alignas(64) float in[7][LANES], out[5][LANES];
-        alignas(64) uint32_t keys[LANES];
-        const Float rows[7] = {originX, originY, originZ, directionX, directionY, directionZ, limit};
+        alignas(64) float in[12][LANES], out[5][LANES];
+        const Float rows[12] = {
+            originX, originY, originZ, directionX, directionY, directionZ, as_float(key), before, as_float(shapeBefore),
+            as_float(triangleBefore), secondBefore, thirdBefore,
+        };
         memcpy(in, rows, sizeof in);
-        memcpy(keys, &key, sizeof keys);
         raggio::TracedRay rays[LANES];
         raggio::TracedHit hits[LANES];
         uint32_t anyBits = bits(any), count = 0;
         each_lane(mask, [&](int i) {
-            bool isAny = anyBits >> i & 1;
-            rays[count++] = {{in[0][i], in[1][i], in[2][i]}, {in[3][i], in[4][i], in[5][i]}, keys[i], in[6][i], isAny};
+            float words[12];
+            for (int k = 0; k < 12; k++) words[k] = in[k][i];
+            memcpy(&rays[count], words, 28);
+            rays[count].any = anyBits >> i & 1;
+            memcpy(&hits[count++], words + 7, sizeof hits[0]);
         });
         RAGGIO_OF_LEVEL(raggio_walk_)(globals, rays, hits, count);
         count = 0;
@@ -49,14 +55,33 @@ struct Context {
         distance = row(0), shape = as_uint(row(1)), triangle = as_uint(row(2)), second = row(3), third = row(4);
     }
 
-    /// Adds samples to the film, of which some may be of one pixel.
-    RAGGIO_NOINLINE void addToFilm(
-        Mask mask, Uint place, Float red, Float green, Float blue, Mask valid, Uint rays, Float weight) const
+    /// Adds what samples are to their pixels, of which some may be the same: sums of 96 bits, then counts.
+    template <class... Terms> RAGGIO_NOINLINE void addTerms(Mask mask, Uint place, const Terms&... terms) const
     {
-        uint32_t validBits = bits(valid);
+        constexpr uint32_t WORDS = film_words::size, SUMS = film_words::samples / 3;
+        static_assert(sizeof...(terms) == WORDS && film_words::samples % 3 == 0, "");
+        alignas(64) uint32_t words[WORDS][LANES];
+        const Uint rows[WORDS] = {terms...};
+        memcpy(words, rows, sizeof words);
         each_lane(mask, [&](int i) {
-            RAGGIO_OF_LEVEL(raggio_add_)(
-                globals, lane(place, i), lane(red, i), lane(green, i), lane(blue, i), validBits >> i & 1, lane(rays, i), lane(weight, i));
+            char* pixel = film + size_t(lane(place, i)) * 4 * WORDS;
+            for (uint32_t sum = 0; sum < SUMS; sum++) {
+                uint64_t low;
+                uint32_t high;
+                memcpy(&low, pixel + 12 * sum, 8);
+                memcpy(&high, pixel + 12 * sum + 8, 4);
+                uint64_t term = words[3 * sum][i] | uint64_t(words[3 * sum + 1][i]) << 32;
+                low += term;
+                high += words[3 * sum + 2][i] + (low < term);
+                memcpy(pixel + 12 * sum, &low, 8);
+                memcpy(pixel + 12 * sum + 8, &high, 4);
+            }
+            for (uint32_t count = 3 * SUMS; count < WORDS; count++) {
+                uint32_t word;
+                memcpy(&word, pixel + 4 * count, 4);
+                word += words[count][i];
+                memcpy(pixel + 4 * count, &word, 4);
+            }
         });
     }
 };

@@ -1,8 +1,8 @@
 // Puts the walk of traversal.h in the place of the kernels' own, where the processor and the scene have it.
 //
 // The build script takes the names below from the generated kernels: KERNEL_HIT, KERNEL_RAY and KERNEL_CONTEXT are types,
-// KERNEL_TRACE is kernels/tracing.slang's `trace`, KERNEL_WALK its definition, KERNEL_TRIANGLE_IS_THERE and
-// KERNEL_FIRST_THERE are those of kernels/coverage.slang, KERNEL_ADD that of kernels/pixels.slang.
+// KERNEL_WALK is kernels/tracing.slang's `walk`, KERNEL_OWN_WALK its definition, KERNEL_TRIANGLE_IS_THERE and
+// KERNEL_FIRST_THERE are those of kernels/coverage.slang.
 #include "rays.h"
 
 #if defined(__AVX2__) && defined(__FMA__)
@@ -36,7 +36,7 @@ RAGGIO_INLINE const Traversal* traversalOf(const uint64_t* globals) {
 } // namespace raggio
 #endif
 
-static RAGGIO_NOINLINE KERNEL_HIT KERNEL_TRACE(KERNEL_RAY* ray, uint32_t key, float limit, bool any, KERNEL_CONTEXT* context)
+static RAGGIO_NOINLINE void KERNEL_WALK(KERNEL_RAY* ray, uint32_t key, bool any, KERNEL_HIT* hit, KERNEL_CONTEXT* context)
 {
 #if defined(__AVX2__) && defined(__FMA__)
     const uint64_t* globals;
@@ -46,17 +46,17 @@ static RAGGIO_NOINLINE KERNEL_HIT KERNEL_TRACE(KERNEL_RAY* ray, uint32_t key, fl
         static_assert(sizeof(KERNEL_RAY) == sizeof traced.origin + sizeof traced.direction, "");
         memcpy(&traced, ray, sizeof(KERNEL_RAY));
         traced.key = key;
-        traced.limit = limit;
         raggio::KernelHoles holes = {ray, key, context};
-        raggio::TracedHit found =
-            any ? raggio::walk<true>(*traversal, traced, holes) : raggio::walk<false>(*traversal, traced, holes);
-        KERNEL_HIT hit;
-        static_assert(sizeof hit == sizeof found, "");
-        memcpy(&hit, &found, sizeof hit);
-        return hit;
+        raggio::TracedHit found;
+        static_assert(sizeof *hit == sizeof found, "");
+        memcpy(&found, hit, sizeof found);
+        if (any) raggio::walk<true>(*traversal, traced, holes, found);
+        else raggio::walk<false>(*traversal, traced, holes, found);
+        memcpy(hit, &found, sizeof found);
+        return;
     }
 #endif
-    return KERNEL_WALK(ray, key, limit, any, context);
+    KERNEL_OWN_WALK(ray, key, any, hit, context);
 }
 
 extern "C" void RAGGIO_OF_LEVEL(raggio_walk_)(
@@ -73,21 +73,7 @@ extern "C" void RAGGIO_OF_LEVEL(raggio_walk_)(
         return;
     }
 #endif
-    for (uint32_t i = 0; i < count; i++) {
-        KERNEL_HIT hit = KERNEL_WALK((KERNEL_RAY*)&rays[i], rays[i].key, rays[i].limit, rays[i].any, &context);
-        static_assert(sizeof hit == sizeof hits[i], "");
-        memcpy(&hits[i], &hit, sizeof hit);
-    }
-}
-
-extern "C" void RAGGIO_OF_LEVEL(raggio_add_)(
-    const uint64_t* globals, uint32_t place, float red, float green, float blue, bool valid, uint32_t rays, float weight)
-{
-    KERNEL_CONTEXT context;
-    memcpy(&context, &globals, sizeof globals);
-    Vector<float, 3> radiance;
-    radiance.x = red;
-    radiance.y = green;
-    radiance.z = blue;
-    KERNEL_ADD(place, radiance, valid, rays, weight, &context);
+    static_assert(sizeof(KERNEL_HIT) == sizeof *hits, "");
+    for (uint32_t i = 0; i < count; i++)
+        KERNEL_OWN_WALK((KERNEL_RAY*)&rays[i], rays[i].key, rays[i].any, (KERNEL_HIT*)&hits[i], &context);
 }

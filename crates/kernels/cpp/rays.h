@@ -20,8 +20,6 @@ struct TracedRay {
     float direction[3];
     /// Decides which surfaces are there that let part of the light pass: kernels/coverage.slang.
     uint32_t key;
-    /// Distance within which there must be a surface.
-    float limit;
     /// Whether any surface will do.
     bool any;
 };
@@ -43,9 +41,6 @@ struct TracedHit {
 
 } // namespace raggio
 
-// What kernels of single paths do for those of many (hook.h): tracing rays, each into its hit, and adding a sample to the
-// film.
+// Tracing for kernels of several paths, by hook.h: `walk` of kernels/tracing.slang, for rays that each have their hit.
 extern "C" void RAGGIO_OF_LEVEL(raggio_walk_)(
     const uint64_t* globals, const raggio::TracedRay* rays, raggio::TracedHit* hits, uint32_t count);
-extern "C" void RAGGIO_OF_LEVEL(raggio_add_)(
-    const uint64_t* globals, uint32_t place, float red, float green, float blue, bool valid, uint32_t rays, float weight);

@@ -61,13 +61,6 @@ struct alignas(16) InstanceRecord {
 };
 static_assert(sizeof(InstanceRecord) == 96, "");
 
-struct PlaneRecord {
-    float point[3];
-    float normal[3];
-    uint32_t shape;
-    uint32_t holes;
-};
-
 /// A corner and the number of a vertex, three times.
 struct TriangleRecord {
     float corners[3][4];
@@ -81,9 +74,6 @@ struct Traversal {
     const SphereBlock* spheres;
     const RectangleBlock* rectangles;
     const BoxBlock* boxes;
-    const PlaneRecord* planes;
-    uint64_t planeCount;
-    /// NOTHING if no shape has bounds.
     uint64_t root;
 };
 
@@ -355,25 +345,6 @@ RAGGIO_INLINE void intersectBlock(
     } while (met);
 }
 
-/// Planes have no bounds: all are tried.
-template <class Holes>
-RAGGIO_INLINE void intersectPlanes(const Traversal& all, const float* o, const float* d, const Holes& holes, TracedHit& hit)
-{
-    for (uint64_t i = 0; i < all.planeCount; i++) {
-        const PlaneRecord& plane = all.planes[i];
-        const float *n = plane.normal, *p = plane.point;
-        float cosine = (n[0] * d[0] + n[1] * d[1]) + n[2] * d[2];
-        if (cosine == 0.0f) continue;
-        float distance = ((n[0] * (p[0] - o[0]) + n[1] * (p[1] - o[1])) + n[2] * (p[2] - o[2])) / cosine;
-        if (!(distance > 0.0f && distance < INFINITE) || !hit.isBehind(distance, plane.shape, 0)) continue;
-        if (plane.holes) {
-            distance = holes.firstThere(plane.shape, distance);
-            if (!(distance < INFINITE) || !hit.isBehind(distance, plane.shape, 0)) continue;
-        }
-        hit = {distance, plane.shape, 0, {0, 0}};
-    }
-}
-
 // ---- The walk
 
 /// What waits: the bits of the distance at which the ray enters it, over the reference. Distances are not negative, so the
@@ -501,13 +472,9 @@ RAGGIO_INLINE void walkMesh(
 
 /// Way of one ray through the scene, above a stack of its own.
 template <bool ANY, class Holes>
-RAGGIO_INLINE TracedHit walk(const Traversal& all, const TracedRay& ray, const Holes& holes)
+RAGGIO_INLINE void walk(const Traversal& all, const TracedRay& ray, const Holes& holes, TracedHit& hit)
 {
-    TracedHit hit = {ray.limit, NOTHING, 0, {0, 0}};
-    intersectPlanes(all, ray.origin, ray.direction, holes, hit);
     uint32_t reference = uint32_t(all.root);
-    if (reference == NOTHING || (ANY && hit.found())) return hit;
-
     RaySetup setup;
     setUp(three(ray.origin), three(ray.direction), setup);
     Waiting stack[STACK];
@@ -535,10 +502,9 @@ RAGGIO_INLINE TracedHit walk(const Traversal& all, const TracedRay& ray, const H
             }
             }
         }
-        if (ANY && hit.found()) return hit;
+        if (ANY && hit.found()) return;
     waits:;
     } while (next(stack, hit.distance, top, reference));
-    return hit;
 }
 
 // ---- Several rays in turn
@@ -567,18 +533,14 @@ RAGGIO_INLINE void askFor(const void* place) {
     for (int line = 0; line < 4; line++) _mm_prefetch((const char*)place + 64 * line, _MM_HINT_T0);
 }
 
-/// Sets a way out from its `ray`. False if it has ended already.
-template <class Holes> RAGGIO_INLINE bool begin(const Traversal& all, Way& way, const Holes& holes) {
-    way.hit = {way.ray.limit, NOTHING, 0, {0, 0}};
-    intersectPlanes(all, way.ray.origin, way.ray.direction, holes, way.hit);
-    way.reference = uint32_t(all.root);
-    if (way.reference == NOTHING || (way.ray.any && way.hit.found())) return false;
+/// Sets a way out from its `ray`.
+RAGGIO_INLINE void begin(const Traversal& all, Way& way) {
     setUp(three(way.ray.origin), three(way.ray.direction), way.world);
     way.setup = &way.world;
     way.nodes = (const char*)all.nodes;
     way.instance = nullptr;
     way.base = way.top = way.stack;
-    return true;
+    way.reference = uint32_t(all.root);
 }
 
 /// Goes on by one node or one leaf, and asks memory for what the next step reads. False if the way has ended.
@@ -631,7 +593,7 @@ ask:
 /// Number of rays that are traced in turn: as many as hide one another's waits for memory.
 constexpr uint32_t IN_TURN = 16;
 
-/// Traces `count` rays into their hits. `holesOf` answers for each way.
+/// Traces `count` rays, each into its hit. `holesOf` answers for each way.
 template <class HolesOf>
 RAGGIO_INLINE void walkInTurn(
     const Traversal& all, const TracedRay* rays, TracedHit* hits, uint32_t count, const HolesOf& holesOf)
@@ -639,18 +601,13 @@ RAGGIO_INLINE void walkInTurn(
     static thread_local Way ways[IN_TURN];
     Way* live[IN_TURN];
     uint32_t next = 0, left = 0;
-    // Whether a way has set out; rays that are done at once leave their hits and make room for others.
     auto set = [&](Way& way) {
-        while (next < count) {
-            way.number = next;
-            way.ray = rays[next++];
-            if (begin(all, way, holesOf(way))) return true;
-            hits[way.number] = way.hit;
-        }
-        return false;
+        way.number = next;
+        way.ray = rays[next];
+        way.hit = hits[next++];
+        begin(all, way);
     };
-    for (Way& way : ways)
-        if (set(way)) live[left++] = &way;
+    for (; left < IN_TURN && next < count; left++) set(*(live[left] = &ways[left]));
     while (left > 0)
         for (uint32_t i = 0; i < left;) {
             Way& way = *live[i];
@@ -659,7 +616,7 @@ RAGGIO_INLINE void walkInTurn(
                 continue;
             }
             hits[way.number] = way.hit;
-            if (set(way)) i++;
+            if (next < count) set(way), i++;
             else live[i] = live[--left];
         }
 }

@@ -6,11 +6,13 @@ mod wide;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+use std::sync::Arc;
+
 use wide::WideScene;
 
 use crate::{
     BLOCK, BrokenScene, Comparison, EntryPoint, FILM_WORD, FilmPixel, INPUT_WORD, OUTPUT_WORD, PixelFilter, Probe,
-    RESTING_WORD, SCENE_WORD, SCENE_WORDS, SceneBuffers, WORK_WORD, Work,
+    RESTING_WORD, SCENE_WORD, SCENE_WORDS, SceneBuffers, ShapeKind, ShapeReference, WORK_WORD, Work,
 };
 
 /// Levels of instruction set that kernels are compiled for; all give the same bits.
@@ -85,6 +87,9 @@ pub enum Walk {
     Portable,
 }
 
+/// Most shapes that rays try one by one, many rays at once.
+const FEW_SHAPES: usize = 32;
+
 /// Scene whose indices have been checked, ready for [`dispatch`].
 #[derive(Debug)]
 pub struct CpuScene {
@@ -107,8 +112,13 @@ impl CpuScene {
         Ok(scene)
     }
 
-    /// Makes what the wide walk reads.
+    /// Chooses which shapes rays try one by one, and makes what the wide walk reads.
     fn widen(&mut self) {
+        let few = self.buffers.order.len() <= FEW_SHAPES;
+        let instance = |shape: &ShapeReference| shape.kind == ShapeKind::Instance as u32;
+        if self.walk == Walk::Wide && few && !self.buffers.order.iter().any(instance) {
+            Arc::make_mut(&mut self.buffers.counts)[0].tried = self.buffers.order.len() as u32;
+        }
         let is_built = cfg!(target_arch = "x86_64") && self.walk == Walk::Wide;
         self.wide = if is_built { WideScene::new(&self.buffers, self.wide.as_ref()) } else { None };
     }

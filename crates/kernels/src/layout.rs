@@ -136,6 +136,13 @@ impl SceneBuffers {
         if counts.unbounded as usize > self.order.len() {
             return fail("more unbounded shapes than shapes");
         }
+        let all_but_instances = || self.order.iter().all(|shape| shape.kind != ShapeKind::Instance as u32);
+        if counts.tried != counts.unbounded && (counts.tried != counts.shapes || !all_but_instances()) {
+            return fail("shapes are tried one by one that cannot be");
+        }
+        if counts.nodes == 0 && counts.tried < counts.shapes {
+            return fail("shapes are neither tried one by one nor in the hierarchy");
+        }
         if self.camera_media.len() > MAX_NESTED_MEDIA as usize {
             return fail("more media around the camera than a path can remember");
         }

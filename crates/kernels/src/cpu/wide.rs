@@ -11,7 +11,7 @@ use self::collapse::{LEAF, Leaves, Node, collapse};
 use crate::{BvhChild, BvhNode, Mesh, SceneBuffers, ShapeKind, ShapeReference};
 
 /// Number of words of `Traversal` in `cpp/traversal.h`.
-const WORDS: usize = 10;
+const WORDS: usize = 8;
 /// Reference to nothing.
 const NONE: u32 = u32::MAX;
 /// Triangles that a leaf may have: two of the blocks that are tested at once.
@@ -49,7 +49,6 @@ impl WideScene {
             _ => Arc::new(WideMeshes::new(buffers)?),
         };
         let mut blocks = Blocks::default();
-        blocks.add_planes(buffers);
         let mut nodes = vec![];
         let root = if buffers.nodes.is_empty() {
             NONE
@@ -63,7 +62,7 @@ impl WideScene {
 
     /// `Traversal` of `cpp/traversal.h`. The addresses in it are good as long as this scene and `buffers` are.
     pub fn words(&self, buffers: &SceneBuffers) -> [u64; WORDS] {
-        let Blocks { instances, spheres, rectangles, boxes, planes } = &self.blocks;
+        let Blocks { instances, spheres, rectangles, boxes } = &self.blocks;
         [
             self.nodes.as_ptr() as u64,
             self.meshes.nodes.as_ptr() as u64,
@@ -72,8 +71,6 @@ impl WideScene {
             spheres.as_ptr() as u64,
             rectangles.as_ptr() as u64,
             boxes.as_ptr() as u64,
-            planes.as_ptr() as u64,
-            planes.len() as u64,
             u64::from(self.root),
         ]
     }

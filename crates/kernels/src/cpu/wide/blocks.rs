@@ -66,35 +66,16 @@ impl InstanceRecord {
     }
 }
 
-/// `PlaneRecord` of `cpp/traversal.h`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct PlaneRecord {
-    point: [f32; 3],
-    normal: [f32; 3],
-    shape: u32,
-    holes: u32,
-}
-
-/// All that leaves of the upper hierarchy refer to, and planes.
+/// All that leaves of the upper hierarchy refer to.
 #[derive(Debug, Default)]
 pub(super) struct Blocks {
     pub instances: Vec<InstanceRecord>,
     pub spheres: Vec<Block<4>>,
     pub rectangles: Vec<Block<14>>,
     pub boxes: Vec<Block<15>>,
-    pub planes: Vec<PlaneRecord>,
 }
 
 impl Blocks {
-    pub fn add_planes(&mut self, buffers: &SceneBuffers) {
-        let unbounded = &buffers.order[..buffers.counts[0].unbounded as usize];
-        self.planes.extend((0..).zip(unbounded).map(|(place, shape)| {
-            let plane = &buffers.planes[shape.index as usize];
-            PlaneRecord { point: plane.point, normal: plane.normal, shape: place, holes: shape.has_holes }
-        }));
-    }
-
     /// Adds up to four `shapes` of one kind, or one instance, and returns the reference to the leaf that holds them.
     pub fn add(
         &mut self,
