@@ -266,16 +266,19 @@ LANES_INLINE Float cast(Uint x) { return (Float)x; }
 #define LANES_PS __m512
 #define LANES_SI __m512i
 #define LANES_ROUND(x, mode) _mm512_roundscale_ps(x, mode)
+#define LANES_REPEAT(x) _mm512_broadcast_i32x4(x)
 #elif defined(LANES_AVX2)
 #define LANES_(NAME) _mm256_##NAME
 #define LANES_PS __m256
 #define LANES_SI __m256i
 #define LANES_ROUND(x, mode) _mm256_round_ps(x, mode)
+#define LANES_REPEAT(x) _mm256_broadcastsi128_si256(x)
 #elif defined(LANES_SSE)
 #define LANES_(NAME) _mm_##NAME
 #define LANES_PS __m128
 #define LANES_SI __m128i
 #define LANES_ROUND(x, mode) _mm_round_ps(x, mode)
+#define LANES_REPEAT(x) (x)
 #endif
 
 #ifdef LANES_
@@ -409,12 +412,9 @@ LANES_INLINE Uint reverse_bits(Uint x)
 {
 #ifdef LANES_
     // Bytes from last to first, then both halves of each by a table.
-    alignas(64) uint8_t order[4 * LANES], table[4 * LANES];
-    static const uint8_t REVERSED[16] = {0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15};
-    for (int i = 0; i < 4 * LANES; i++) order[i] = (uint8_t)((i & 15) ^ 3), table[i] = REVERSED[i & 15];
-    LANES_SI bytes, halves, low = LANES_(set1_epi8)(15);
-    memcpy(&bytes, order, sizeof bytes);
-    memcpy(&halves, table, sizeof halves);
+    LANES_SI bytes = LANES_REPEAT(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
+    LANES_SI halves = LANES_REPEAT(_mm_setr_epi8(0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15));
+    LANES_SI low = LANES_(set1_epi8)(15);
     LANES_SI swapped = LANES_(shuffle_epi8)((LANES_SI)x, bytes);
     Uint lower = (Uint)swapped & (Uint)low, upper = ((Uint)swapped >> 4) & (Uint)low;
     return ((Uint)LANES_(shuffle_epi8)(halves, (LANES_SI)lower) << 4) | (Uint)LANES_(shuffle_epi8)(halves, (LANES_SI)upper);
