@@ -361,27 +361,30 @@ pub fn variant_name(entry: &str) -> String {
 /// Writes `cpu_table.rs`: Rust declarations of the compiled entry points and the choice among them.
 pub fn write_table(levels: &[Level], entry_points: &[String], out: &Path) -> Result<(), String> {
     let mut text = String::from("unsafe extern \"C\" {\n");
-    for Level { suffix, .. } in levels {
+    let mut choices = String::new();
+    for Level { name, suffix, lanes, .. } in levels {
+        let mut choice = |entry: &str, simple: &str, function: &str| {
+            let _ = writeln!(text, "    fn raggio_{function}_{suffix}(groups: *const [u32; 3], globals: *const u64);");
+            let variant = variant_name(entry);
+            let _ = writeln!(
+                choices,
+                "        (InstructionSet::{name}, EntryPoint::{variant}, {simple}) => Some(raggio_{function}_{suffix}),"
+            );
+        };
+        if *lanes > 1 {
+            choice("path", "true", "path_simple");
+        }
         for entry in entry_points {
-            let _ = writeln!(text, "    fn raggio_{entry}_{suffix}(groups: *const [u32; 3], globals: *const u64);");
+            choice(entry, "_", entry);
         }
     }
-    text +=
-        "}\n\n/// Levels that this build contains, the most capable first.\npub const BUILT: &[InstructionSet] = &[";
+    text += "}\n\n/// Levels that this build contains, the most capable first.\npub const BUILT: &[InstructionSet] = &[";
     for Level { name, .. } in levels {
         let _ = write!(text, "InstructionSet::{name}, ");
     }
-    text +=
-        "];\n\nfn entry_point(set: InstructionSet, entry: EntryPoint) -> Option<Kernel> {\n    match (set, entry) {\n";
-    for Level { name, suffix, .. } in levels {
-        for entry in entry_points {
-            let variant = variant_name(entry);
-            let _ = writeln!(
-                text,
-                "        (InstructionSet::{name}, EntryPoint::{variant}) => Some(raggio_{entry}_{suffix}),"
-            );
-        }
-    }
+    text += "];\n\n/// Function for `entry`, of those that know of principled materials and lights without size or, if `simple`, need not.\n\
+             fn entry_point(set: InstructionSet, entry: EntryPoint, simple: bool) -> Option<Kernel> {\n    match (set, entry, simple) {\n";
+    text += &choices;
     text += "        #[allow(unreachable_patterns)]\n        _ => None,\n    }\n}\n";
     write(&out.join("cpu_table.rs"), &text)
 }

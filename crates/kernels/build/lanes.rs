@@ -1,7 +1,7 @@
 //! Kernels that run for several paths at once: SPIR-V -> C++ (crates/lanes), and what `cpp/wave.h` has to know of them.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use raggio_lanes::{Options, RUNTIME, translate};
 
@@ -13,13 +13,18 @@ const HOOKS: [&str; 2] = ["walk", "addTerms"];
 /// Buffer of the paths that wait between stages.
 const PATHS: &str = "paths";
 
-/// Kernels of which the C++ compiler gets some at a time: the name of what runs them, and their entry points.
-pub const GROUPS: [(&str, &[&str]); 3] =
-    [("path", &["renew", "find", "shade"]), ("inspect", &["inspect"]), ("reference", &["reference"])];
+/// Kernels of which the C++ compiler gets some at a time: the name of the function that runs them, the place of their variant
+/// in `slangc::LANES`, and their entry points. What most pictures are made with has kernels for simple scenes of its own.
+const GROUPS: [(&str, usize, &[&str]); 4] = [
+    ("path", 0, &["renew", "find", "shade"]),
+    ("path_simple", 1, &["renew", "find", "shade"]),
+    ("inspect", 0, &["inspect"]),
+    ("reference", 0, &["reference"]),
+];
 
 /// C++ of a group of kernels for several paths at once, complete but for what differs from level to level.
 pub struct Lanes {
-    /// Name of the group, and of the kernel that is entered.
+    /// Name of the function that runs the group.
     pub name: &'static str,
     /// The translated kernels, and constants and functions that `context.h` and `wave.h` use.
     pub text: String,
@@ -36,19 +41,26 @@ impl Lanes {
 
     /// Text of the C++ file for a level of instruction set.
     pub fn translation_unit(&self, suffix: &str, lanes: u32) -> String {
-        let driver = if self.name == "path" { "wave.h" } else { "pixels.h" };
+        let (name, file) = (self.name, self.file());
+        let driver = if name.starts_with("path") { "wave.h" } else { "pixels.h" };
+        // The namespace has another name in each unit, or the linker would take functions of one for those of another.
         format!(
-            "#define LANES {lanes}\n#define LEVEL {suffix}\n#define KERNEL {}\n#include \"{}\"\n#include \"{driver}\"\n",
-            self.name,
-            self.file(),
+            "#define LANES {lanes}\n#define LEVEL {suffix}\n#define KERNEL {name}\n#define lanes lanes_{name}_{suffix}\n\
+             #include \"{file}\"\n#include \"{driver}\"\n"
         )
     }
 
-    /// Translates the kernels of all groups in `code`, whose reflection stands beside it; `places` are the parameters' in
-    /// C++.
-    pub fn translate_all(code: &Path, declarations: &Declarations, places: &Places) -> Result<Vec<Self>, String> {
-        let groups = GROUPS.iter();
-        groups.map(|(name, entry_points)| Self::translate(name, entry_points, code, declarations, places)).collect()
+    /// Translates the kernels of all groups. `code` has the SPIR-V of each variant, with its reflection beside it; `places`
+    /// are the parameters' in C++.
+    pub fn translate_all(
+        code: &[PathBuf],
+        declarations: &Declarations,
+        places: &Places,
+    ) -> Result<Vec<Self>, String> {
+        let translated = GROUPS.iter().map(|(name, variant, entry_points)| {
+            Self::translate(name, entry_points, &code[*variant], declarations, places)
+        });
+        translated.collect()
     }
 
     fn translate(

@@ -75,6 +75,8 @@ struct Traversal {
     const RectangleBlock* rectangles;
     const BoxBlock* boxes;
     uint64_t root;
+    /// Not 0 where rays that come together are to be traced in turn: what they read is in no cache near by.
+    uint64_t inTurn;
 };
 
 // ---- Rays

@@ -179,7 +179,8 @@ fn resting_words(work: &Work) -> usize {
 /// If the buffers are smaller than the work, or `set` is not one of [`InstructionSet::available`].
 pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>, work: &Work, buffers: Buffers<'_>) {
     assert!(set.supported(), "this processor lacks {}", set.name());
-    let kernel = entry_point(set, entry).expect("this build has kernels for every level it lists");
+    let simple = scene.is_some_and(|scene| scene.buffers.is_simple());
+    let kernel = entry_point(set, entry, simple).expect("this build has kernels for every level it lists");
     let first = work.first_row.checked_sub(work.band_row).expect("the work begins inside its band");
     let pixels = work.width as usize * (first as usize + work.rows as usize);
     let large_enough = match entry {
