@@ -34,6 +34,12 @@ impl Lanes {
     /// Header that the text includes as `lanes.h`.
     pub const RUNTIME: &str = RUNTIME;
 
+    /// Whether a level of so many lanes has these kernels. Few lanes gain little: only the path tracer is worth its
+    /// compile time there.
+    pub fn are_of(&self, lanes: u32) -> bool {
+        lanes >= 8 || (lanes > 1 && self.name.starts_with("path"))
+    }
+
     /// Name of the file with the text.
     pub fn file(&self) -> String {
         format!("{}.lanes.inc", self.name)

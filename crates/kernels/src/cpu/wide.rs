@@ -62,8 +62,8 @@ impl WideScene {
         Some(Self { meshes, nodes, root, blocks })
     }
 
-    /// `Traversal` of `cpp/traversal.h`. The addresses in it are good as long as this scene and `buffers` are.
-    pub fn words(&self, buffers: &SceneBuffers) -> [u64; WORDS] {
+    /// `Traversal` of `cpp/traversal.h`; rays take turns if `in_turn`, or where the scene is large. Its addresses are good as long as this scene and `buffers` are.
+    pub fn words(&self, buffers: &SceneBuffers, in_turn: bool) -> [u64; WORDS] {
         let Blocks { instances, spheres, rectangles, boxes } = &self.blocks;
         [
             self.nodes.as_ptr() as u64,
@@ -74,7 +74,7 @@ impl WideScene {
             rectangles.as_ptr() as u64,
             boxes.as_ptr() as u64,
             u64::from(self.root),
-            u64::from(self.bytes(buffers) > NEAR),
+            u64::from(in_turn || self.bytes(buffers) > NEAR),
         ]
     }
 
