@@ -5,6 +5,7 @@ mitsuba_worker.py VARIANT SCENE WIDTH HEIGHT SAMPLES PICTURE renders one to an E
 """
 import glob
 import os
+import re
 import sys
 
 import numpy
@@ -12,10 +13,16 @@ import numpy
 import channel
 import world
 
-# The newest LLVM: 15 and 16 crash on recent Xeons.
-LIBRARIES = glob.glob("/usr/lib/*/libLLVM.so.*") + glob.glob("/usr/lib/llvm-*/lib/libLLVM*.so*")
-if LIBRARIES:
-    os.environ.setdefault("DRJIT_LIBLLVM_PATH", sorted(LIBRARIES)[-1])
+
+def newest_llvm():
+    """Path of the newest LLVM library under /usr/lib, if there is one: 15 and 16 crash on recent Xeons."""
+    found = glob.glob("/usr/lib/*/libLLVM.so.*") + glob.glob("/usr/lib/llvm-*/lib/libLLVM*.so*")
+    version = re.compile(r"llvm-(\d+)|libLLVM\.so\.(\d+)")
+    return max(found, key=lambda path: int("".join(filter(None, version.search(path).groups()))), default=None)
+
+
+if library := newest_llvm():
+    os.environ.setdefault("DRJIT_LIBLLVM_PATH", library)
 import drjit  # noqa: E402
 import mitsuba  # noqa: E402
 
@@ -124,7 +131,9 @@ class Renderer:
         return figures | {"mean": float(pixels.mean())}
 
     def version(self):
-        drjit.eval(mitsuba.Float([1, 2]) + 1) if mitsuba.variant().startswith("llvm") else None
+        if mitsuba.variant().startswith("llvm"):
+            # Libraries that Dr.Jit does not work with fail here, before anything is measured.
+            drjit.eval(mitsuba.Float([1, 2]) + 1)
         return {"name": f"Mitsuba {mitsuba.__version__}", "llvm": os.environ.get("DRJIT_LIBLLVM_PATH")}
 
 
