@@ -3,14 +3,15 @@
 //! All lanes go through the C++ together, and those that are not active *wait* somewhere: at the other way of a branch, at
 //! its end, or at the end of a scope that they have left. An assignment must be masked exactly if the register is *live*
 //! (still needed) where lanes wait. So a variable of a loop needs no mask as long as nothing behind the loop reads it, and of
-//! the two ways of a branch only the second masks what both assign.
+//! the two ways of a branch only the second masks what both assign, and the branch's condition is all the mask that takes
+//! unless lanes wait elsewhere too.
 //!
 //! A register is *varying*, a vector of lanes, if it is made of what varies, or if it is masked; the others are scalars.
 //! Lanes part only at conditions that vary: the others make nobody wait. Both are found together, from the assumption that
 //! nothing varies, until nothing changes.
 
 use crate::bits::Bits;
-use crate::program::{Instruction, Label, Memory, Node, Place, Program, Register, Value};
+use crate::program::{Instruction, Kept, Label, Memory, Node, Place, Program, Register, Value};
 use crate::simplify::falls;
 
 /// Result of the analysis.
@@ -58,7 +59,7 @@ impl Program {
         let mut waiting =
             Waiting { numbers, after, varying, parted, open: vec![], at: vec![], depth: 0, changed: true };
         while std::mem::take(&mut waiting.changed) {
-            waiting.list(&mut body, &Bits::default());
+            waiting.list(&mut body, &Bits::default(), &Bits::default());
         }
         self.body = body;
         let numbered =
@@ -258,7 +259,9 @@ impl Waiting {
         waits
     }
 
-    fn list(&mut self, nodes: &mut [Node], branches: &Bits) {
+    /// `way` is what lanes need that go the other way at the innermost branch around, `branches` what is needed at those
+    /// around that one.
+    fn list(&mut self, nodes: &mut [Node], branches: &Bits, way: &Bits) {
         let mut waits = self.waits(branches);
         let mut scopes = self.at.clone();
         for node in nodes {
@@ -267,21 +270,19 @@ impl Waiting {
                 scopes.clone_from(&self.at);
             }
             match node {
-                Node::Run(run) => run.iter_mut().for_each(|instruction| self.instruction(instruction, &waits)),
+                Node::Run(run) => run.iter_mut().for_each(|instruction| self.instruction(instruction, &waits, way)),
                 Node::If { condition, yes, no, live: [before_no, after] } => {
                     if !self.varies(*condition) {
-                        self.list(yes, branches);
-                        self.list(no, branches);
+                        self.list(yes, branches, way);
+                        self.list(no, branches, way);
                         continue;
                     }
                     self.depth += 1;
-                    let (mut others, mut done) = (branches.clone(), branches.clone());
-                    others.add(before_no);
-                    self.list(yes, &others);
-                    if falls(yes) {
-                        done.add(after);
-                    }
-                    self.list(no, &done);
+                    let mut around = branches.clone();
+                    around.add(way);
+                    self.list(yes, &around, before_no);
+                    let nothing = Bits::default();
+                    self.list(no, &around, if falls(yes) { after } else { &nothing });
                     self.depth -= 1;
                 }
                 Node::Switch { selector, cases, default } => {
@@ -294,7 +295,7 @@ impl Waiting {
                 Node::Exit(label) => self.exit(*label),
                 Node::Scope { label, body, .. } => {
                     self.open.push((*label, self.depth));
-                    self.list(body, branches);
+                    self.list(body, branches, way);
                     self.open.pop();
                     self.at.retain(|other| other != label);
                 }
@@ -308,7 +309,7 @@ impl Waiting {
                             self.at.push(label);
                         }
                     }
-                    self.list(body, branches);
+                    self.list(body, branches, way);
                 }
             }
         }
@@ -326,22 +327,27 @@ impl Waiting {
         }
     }
 
-    fn instruction(&mut self, instruction: &mut Instruction, waits: &Bits) {
+    fn instruction(&mut self, instruction: &mut Instruction, waits: &Bits, way: &Bits) {
+        let kept_where = |numbers: &[u32], register: Register| match numbers[register as usize] {
+            LOCAL => Kept::Nowhere,
+            number if waits.contains(number) => Kept::Everywhere,
+            number if way.contains(number) => Kept::TheOtherWay,
+            _ => Kept::Nowhere,
+        };
         let varies = match instruction {
             Instruction::Compute { from, .. } => from.iter().any(|value| self.varies(*value)),
             Instruction::Load { memory: Memory::Columns(_), .. } => true,
             Instruction::Load { index, .. } => index.is_some_and(|index| self.varies(index.value)),
             Instruction::Read { .. } | Instruction::Hook { .. } => true,
-            Instruction::Write { place: Place { variable, .. }, masked, .. } => {
-                *masked |= waits.contains(self.numbers[*variable as usize]);
+            Instruction::Write { place: Place { variable, .. }, kept, .. } => {
+                *kept = kept_where(&self.numbers, *variable).max(*kept);
                 return;
             }
             Instruction::Store { .. } | Instruction::Begin(_) => return,
         };
         for target in instruction.targets_mut() {
-            let number = self.numbers[target.register as usize];
-            target.masked |= number != LOCAL && waits.contains(number);
-            if varies || target.masked {
+            target.kept = kept_where(&self.numbers, target.register).max(target.kept);
+            if varies || target.kept != Kept::Nowhere {
                 self.changed |= !std::mem::replace(&mut self.varying[target.register as usize], true);
             }
         }

@@ -8,7 +8,7 @@
 use crate::analysis::Analysis;
 use crate::cpp::{Block, Line, Text};
 use crate::program::{
-    Buffer, Index, Instruction, Kind, Label, Memory, Node, Operation, Place, Program, Register, Target, Value,
+    Buffer, Index, Instruction, Kept, Kind, Label, Memory, Node, Operation, Place, Program, Register, Target, Value,
 };
 
 /// Operations that are quicker done than asked whether any lane needs them.
@@ -23,6 +23,9 @@ pub struct Emitter<'a> {
     /// Masks of lanes at the ends of scopes, and the lines that fill them.
     ends: Vec<Option<(String, Vec<Line>)>>,
     names: u32,
+    /// Mask of the lanes that go this way at the innermost branch where lanes part, among all lanes, active or not; and
+    /// whether anything has needed it.
+    way: (String, bool),
 }
 
 /// Where the text goes on, and the mask of the lanes there; `None` where there are none.
@@ -32,7 +35,8 @@ type Way = Option<(Block, String)>;
 pub fn function(name: &str, program: &Program, analysis: &Analysis, buffers: &[Buffer]) -> String {
     let text = Text::new(program.registers.len());
     let ends = vec![None; program.labels as usize];
-    let mut emitter = Emitter { program, analysis, buffers, text, ends, names: 0 };
+    let way = (String::new(), false);
+    let mut emitter = Emitter { program, analysis, buffers, text, ends, names: 0, way };
     emitter.list(&program.body, Text::BODY, "mask".into());
     emitter.text.declare(&program.registers, 3, |register| analysis.varies(Value::Register(register)));
     let mut body = String::new();
@@ -132,8 +136,15 @@ impl Emitter<'_> {
         let together = self.name("m");
         let declaration = self.text.line(block, format!("Mask {together} = NONE;"));
         let varies = self.analysis.varies(condition);
+        // Among all lanes: the ways may change what the condition is read from.
+        let mut all = [None, None];
         let masks = if varies {
             let condition = self.vector(condition, block);
+            for (way, text) in all.iter_mut().zip([condition.clone(), format!("inverse({condition})")]) {
+                let name = self.name("c");
+                let line = self.text.line(block, format!("const Mask {name} = {text};"));
+                *way = Some((name, line));
+            }
             let masks = [self.name("m"), self.name("m")];
             self.text.line(block, format!("const Mask {} = {mask} & {condition};", masks[0]));
             self.text.line(block, format!("const Mask {} = without({mask}, {condition});", masks[1]));
@@ -160,7 +171,15 @@ impl Emitter<'_> {
                 self.text.block(block, format!("if (any({}))", masks[i]))
             };
             starts.push(inner);
+            let Some((name, line)) = all[i].take() else {
+                ways.push(self.list(nodes, inner, masks[i].clone()));
+                continue;
+            };
+            let around = std::mem::replace(&mut self.way, (name, false));
             ways.push(self.list(nodes, inner, masks[i].clone()));
+            if !std::mem::replace(&mut self.way, around).1 {
+                self.text.drop(line);
+            }
         }
         // Lanes that leave where none parts from the others change no mask, but the block in which the rest goes on.
         let stay = |way: &Way, start: Block, mask: &str| {
@@ -238,12 +257,27 @@ impl Emitter<'_> {
         if varies { self.vector(value, block) } else { self.scalar(value, block) }
     }
 
+    /// Mask of an assignment where `mask` is that of active lanes.
+    fn mask_of(&mut self, kept: Kept, mask: &str) -> Option<String> {
+        match kept {
+            Kept::Nowhere => None,
+            Kept::TheOtherWay => {
+                self.way.1 = true;
+                Some(self.way.0.clone())
+            }
+            Kept::Everywhere => Some(mask.into()),
+        }
+    }
+
     fn assign(&mut self, to: Target, value: &str, block: Block, mask: &str) {
         let register = to.register;
-        let value = if to.masked { format!("choose({mask}, {value}, v{register})") } else { value.into() };
-        if to.masked {
-            self.text.read(block, register);
-        }
+        let value = match self.mask_of(to.kept, mask) {
+            Some(mask) => {
+                self.text.read(block, register);
+                format!("choose({mask}, {value}, v{register})")
+            }
+            None => value.into(),
+        };
         self.text.assignment(block, register, format!("v{register} = {value};"));
     }
 
@@ -292,7 +326,7 @@ impl Emitter<'_> {
                 let value = self.converted(to.register, &value);
                 self.assign(*to, &value, block, mask);
             }
-            Instruction::Write { from, place, masked } => {
+            Instruction::Write { from, place, kept } => {
                 let value = self.vector(*from, block);
                 let array = format!("v{}", place.variable);
                 let word = place.word;
@@ -304,10 +338,9 @@ impl Emitter<'_> {
                     }
                     index => {
                         let word = self.word(word, index.as_ref(), block);
-                        if *masked {
-                            format!("set_own_word({array}, {mask}, {word}, as_float({value}));")
-                        } else {
-                            format!("{array}[{word}] = as_float({value});")
+                        match self.mask_of(*kept, mask) {
+                            Some(mask) => format!("set_own_word({array}, {mask}, {word}, as_float({value}));"),
+                            None => format!("{array}[{word}] = as_float({value});"),
                         }
                     }
                 };
@@ -329,8 +362,9 @@ impl Emitter<'_> {
     fn results(&mut self, targets: impl Iterator<Item = Target>, block: Block) -> Vec<(Target, String)> {
         let mut results = vec![];
         for target in targets {
-            let name = if target.masked { self.name("t") } else { format!("v{}", target.register) };
-            if target.masked {
+            let apart = target.kept != Kept::Nowhere;
+            let name = if apart { self.name("t") } else { format!("v{}", target.register) };
+            if apart {
                 let kind = self.vector_type(target.register);
                 self.text.line(block, format!("{kind} {name};"));
             } else {
@@ -343,7 +377,7 @@ impl Emitter<'_> {
 
     /// Assigns what has been kept in temporary variables.
     fn settle(&mut self, results: &[(Target, String)], block: Block, mask: &str) {
-        for (target, name) in results.iter().filter(|(target, _)| target.masked) {
+        for (target, name) in results.iter().filter(|(target, _)| target.kept != Kept::Nowhere) {
             self.assign(*target, name, block, mask);
         }
     }

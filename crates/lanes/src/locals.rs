@@ -150,7 +150,7 @@ impl Resolver {
                     });
                 }
             }
-            Instruction::Write { from, place, masked } => {
+            Instruction::Write { from, place, kept } => {
                 let (home, (variable, word)) = (self.home(&place), self.key(&place));
                 if place.index.is_some() {
                     known.retain(|(other, _), _| *other != variable);
@@ -161,7 +161,7 @@ impl Resolver {
                 }
                 run.push(match home {
                     Home::Register(register) => copy(register.into(), from),
-                    Home::Array(..) => Instruction::Write { from, place: Place { variable, word, ..place }, masked },
+                    Home::Array(..) => Instruction::Write { from, place: Place { variable, word, ..place }, kept },
                 });
             }
             Instruction::Begin(variables) => {

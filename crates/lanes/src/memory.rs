@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::layout::MatrixLayout;
 use crate::lower::{Bound, Lowering};
 use crate::module::{Id, Type};
-use crate::program::{Index, Instruction, Kind, Memory, Operation, Place, Target, Value};
+use crate::program::{Index, Instruction, Kept, Kind, Memory, Operation, Place, Target, Value};
 
 /// Variable in which a pointer points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -161,7 +161,7 @@ impl Lowering<'_> {
             Root::Local(variable) => {
                 for (i, value) in values.iter().enumerate() {
                     let place = Place { variable, word: pointer.place + i as u32, index: pointer.index };
-                    self.push(Instruction::Write { from: *value, place, masked: false });
+                    self.push(Instruction::Write { from: *value, place, kept: Kept::default() });
                 }
             }
             Root::Outside(memory) => {

@@ -34,12 +34,22 @@ pub enum Value {
     Constant(Kind, u32),
 }
 
+/// Lanes that must keep what a register holds while others assign it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kept {
+    #[default]
+    Nowhere,
+    /// In lanes that go the other way at the innermost branch: its condition tells them apart.
+    TheOtherWay,
+    /// In all that are not active.
+    Everywhere,
+}
+
 /// Register that an instruction assigns.
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
     pub register: Register,
-    /// Whether lanes that are not active must keep what the register holds.
-    pub masked: bool,
+    pub kept: Kept,
 }
 
 /// Element of an array that is known only when the kernel runs.
@@ -106,11 +116,10 @@ pub enum Instruction {
         to: Target,
         place: Place,
     },
-    /// `masked` as in [`Target`].
     Write {
         from: Value,
         place: Place,
-        masked: bool,
+        kept: Kept,
     },
     /// Variables, then registers, that hold nothing yet.
     Begin(Vec<u32>),
@@ -255,6 +264,6 @@ impl Instruction {
 
 impl From<Register> for Target {
     fn from(register: Register) -> Self {
-        Self { register, masked: false }
+        Self { register, kept: Kept::default() }
     }
 }
