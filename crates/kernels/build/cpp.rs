@@ -253,7 +253,13 @@ pub fn compiler_name() -> String {
         let is_version = |word: &&str| word.contains('.') && word.starts_with(|c: char| c.is_ascii_digit());
         words.split([' ', '\n', '(', ')', '-', '+']).find(is_version).unwrap_or_default().to_owned()
     };
-    let kind = if compiler.is_like_clang() { "clang" } else if compiler.is_like_gnu() { "gcc" } else { "msvc" };
+    let kind = if compiler.is_like_clang() {
+        "clang"
+    } else if compiler.is_like_gnu() {
+        "gcc"
+    } else {
+        "msvc"
+    };
     format!("{kind} {}", number(&version)).trim().to_owned()
 }
 
@@ -425,11 +431,16 @@ pub fn write_table(levels: &[Level], entry_points: &[String], out: &Path) -> Res
             choice(entry, "_", entry);
         }
     }
-    text += "}\n\n/// Levels that this build contains, the most capable first.\npub const BUILT: &[InstructionSet] = &[";
+    text +=
+        "}\n\n/// Levels that this build contains, the most capable first.\npub const BUILT: &[InstructionSet] = &[";
     for Level { name, .. } in levels {
         let _ = write!(text, "InstructionSet::{name}, ");
     }
-    let _ = write!(text, "];\n\n/// C++ compiler that made the machine code.\npub const COMPILER: &str = {:?};\n", compiler_name());
+    let _ = write!(
+        text,
+        "];\n\n/// C++ compiler that made the machine code.\npub const COMPILER: &str = {:?};\n",
+        compiler_name()
+    );
     text += "\n/// Function for `entry`, of those that know of principled materials and lights without size or, if `simple`, need not.\n\
              fn entry_point(set: InstructionSet, entry: EntryPoint, simple: bool) -> Option<Kernel> {\n    match (set, entry, simple) {\n";
     text += &choices;

@@ -58,11 +58,7 @@ impl Lanes {
 
     /// Translates the kernels of all groups. `code` has the SPIR-V of each variant, with its reflection beside it; `places`
     /// are the parameters' in C++.
-    pub fn translate_all(
-        code: &[PathBuf],
-        declarations: &Declarations,
-        places: &Places,
-    ) -> Result<Vec<Self>, String> {
+    pub fn translate_all(code: &[PathBuf], declarations: &Declarations, places: &Places) -> Result<Vec<Self>, String> {
         let translated = GROUPS.iter().map(|(name, variant, entry_points)| {
             Self::translate(name, entry_points, &code[*variant], declarations, places)
         });
@@ -78,12 +74,10 @@ impl Lanes {
     ) -> Result<Self, String> {
         let bytes = std::fs::read(code).map_err(|e| format!("cannot read {}: {e}", code.display()))?;
         let words: Vec<u32> = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-        let options = Options {
-            hooks: HOOKS.map(String::from).into(),
-            columns: vec![PATHS.into()],
-            ..Options::default()
-        };
-        let translation = translate(&words, entry_points, &options).map_err(|e| format!("cannot translate the kernels: {e}"))?;
+        let options =
+            Options { hooks: HOOKS.map(String::from).into(), columns: vec![PATHS.into()], ..Options::default() };
+        let translation =
+            translate(&words, entry_points, &options).map_err(|e| format!("cannot translate the kernels: {e}"))?;
         let reflection = Places::read(&code.with_extension("json"))?;
 
         let mut text = translation.code;
@@ -96,15 +90,14 @@ impl Lanes {
             }
             text += "}\n";
         }
-        for name in ["BLOCK"] {
-            let value = declarations.constants.iter().find(|(constant, _)| constant == name);
-            let (_, value) = value.ok_or(format!("the kernels have no constant `{name}`"))?;
-            let _ = writeln!(text, "constexpr uint32_t {name} = {value};");
-        }
+        let block = declarations.constants.iter().find(|(constant, _)| constant == "BLOCK");
+        let (_, block) = block.ok_or("the kernels have no constant `BLOCK`")?;
+        let _ = writeln!(text, "constexpr uint32_t BLOCK = {block};");
         for name in ["work", "film", "resting"] {
             let _ = writeln!(text, "constexpr uint32_t {}_WORD = {};", name.to_uppercase(), places.word(name)?);
         }
-        text += "\n/// Addresses of the kernels' buffers.\ninline void fill(Buffers& buffers, const uint64_t* globals) {\n";
+        text +=
+            "\n/// Addresses of the kernels' buffers.\ninline void fill(Buffers& buffers, const uint64_t* globals) {\n";
         let _ = writeln!(text, "    const uint64_t* scene = (const uint64_t*)globals[{}];", places.word("scene")?);
         for buffer in translation.buffers.iter().filter(|buffer| !buffer.columns) {
             let name = &buffer.name;

@@ -208,7 +208,8 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
         |scene: &CpuScene| work.filter != PixelFilter::Tabulated as u32 || !scene.buffers.filter_table.is_empty();
     assert!(scene.is_none_or(drawn), "the scene has no table of the work's filter");
     let block = scene.map_or_else(empty_block, CpuScene::block);
-    let traversal = scene.and_then(|scene| Some(scene.wide.as_ref()?.words(&scene.buffers, scene.walk == Walk::InTurn)));
+    let traversal =
+        scene.and_then(|scene| Some(scene.wide.as_ref()?.words(&scene.buffers, scene.walk == Walk::InTurn)));
     let mut globals = [0u64; TRAVERSAL_WORD + 1];
     globals[TRAVERSAL_WORD] = traversal.as_ref().map_or(0, |words| words.as_ptr() as u64);
     globals[SCENE_WORD] = block.as_ptr() as u64;

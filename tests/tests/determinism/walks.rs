@@ -35,7 +35,11 @@ fn crowd() -> Scene {
         if i % 7 != 1 {
             last = match random.below(3) {
                 0 => format!("sphere = {{ center = {}, radius = {size} }}", v(at)),
-                1 => format!("box = {{ center = {}, size = [{size}, 1, 1], rotation_degrees = {} }}", v(at), v(90.0 * at)),
+                1 => format!(
+                    "box = {{ center = {}, size = [{size}, 1, 1], rotation_degrees = {} }}",
+                    v(at),
+                    v(90.0 * at)
+                ),
                 _ => {
                     let axis = random.below(3);
                     let (u, w) = (DVec3::AXES[axis] * size, DVec3::AXES[(axis + 1) % 3]);
@@ -92,7 +96,12 @@ fn all_walks_and_levels_make_one_picture() {
                     let film = film(options, &scene, feature);
                     let first = first.get_or_insert_with(|| film.clone());
                     let differ = film.iter().zip(&*first).filter(|(a, b)| a != b).count();
-                    assert_eq!(differ, 0, "{name}, {integrator:?}, {feature:?}, {}, {walk:?}: pixels differ", set.name());
+                    assert_eq!(
+                        differ,
+                        0,
+                        "{name}, {integrator:?}, {feature:?}, {}, {walk:?}: pixels differ",
+                        set.name()
+                    );
                 }
             }
             let seen = first.expect("there are levels");

@@ -93,7 +93,8 @@ impl WideMeshes {
         let mut nodes = vec![];
         let roots = buffers.meshes.iter().map(|mesh| {
             let first = nodes.len() as u32;
-            let root = collapse(&buffers.mesh_nodes, mesh.root, &mut Triangles { first: mesh.first_triangle }, &mut nodes);
+            let root =
+                collapse(&buffers.mesh_nodes, mesh.root, &mut Triangles { first: mesh.first_triangle }, &mut nodes);
             // References count from the mesh's own first node.
             (root, first)
         });
