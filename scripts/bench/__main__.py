@@ -64,10 +64,15 @@ def main():
 
     folder = project.RESULTS / time.strftime("%Y%m%d-%H%M%S")
     folder.mkdir(parents=True)
-    rows, detail = [], {}
+    rows, detail, failed = [], {}, []
     start = time.perf_counter()
     for name in options.only:
-        found, detail[name] = measures.MEASURES[name](options, available)
+        try:
+            found, detail[name] = measures.MEASURES[name](options, available)
+        except (peers.Failed, AssertionError) as reason:
+            peers.say(f"{name} has failed: {reason}")
+            failed.append(name)
+            continue
         rows += found
         # After each part, so that what was measured is there whatever comes.
         report = {"machine": about, "peers": available, "options": vars(options), "rows": rows, "detail": detail,
@@ -85,6 +90,8 @@ def main():
             if values:
                 print(f"{name}, {unit.replace('_per_second', '/s')}: {values}")
     print(f"\n{folder.relative_to(project.ROOT)}: results.json, table.md, ratios.png")
+    if failed:
+        raise SystemExit(f"bench: {', '.join(failed)} failed")
 
 
 if __name__ == "__main__":

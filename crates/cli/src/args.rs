@@ -14,7 +14,7 @@ Exit status:
   130  interrupted (Ctrl-C); the picture of what there was by then is written";
 
 const BENCH_HELP: &str = "\
-The score of a scene is its samples a second beside those of raggio of 2026-11-23 on two cores of a Zen 4, which are 100;
+The score of a scene is its samples a second beside those of raggio of 2026-11-23 on two cores of a Zen 4, which are 100; \
 that of a device is the geometric mean of its scenes. Other programs that run meanwhile lower it.";
 
 /// A progressive path tracer on Vulkan and the CPU.
