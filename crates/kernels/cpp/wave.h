@@ -14,11 +14,11 @@ public:
     /// The next pixel that takes samples, x below y of 16 bits each, and the sample. False at the end.
     bool next(uint32_t& pixel, uint32_t& sample) {
         while (left) {
-            uint32_t x = column + along, y = tile.firstRow + row;
-            sample = tile.work[work_words::firstSample] + number;
+            uint32_t x = column + along, y = tile.firstRow + row, of = tile.work[work_words::firstSample] + number;
             advance();
             if (!tile.takesSamples(x, y)) continue;
             pixel = x | y << 16;
+            sample = of;
             return true;
         }
         return false;
