@@ -1,7 +1,7 @@
 # Every target that builds first sees to it that the machine can: setup takes a moment when all is there.
 .DEFAULT_GOAL := help
 .NOTPARALLEL: # cargo uses all cores by itself, and two set-ups at once would collide
-.PHONY: help setup setup-tests demo install uninstall test test-long fuzz gallery bench style lint deny clean
+.PHONY: help setup setup-tests demo install uninstall test test-long fuzz gallery bench curves style lint deny clean
 
 env := . scripts/env.sh &&
 # Tests also run the CPU kernels with bounds checks; what checks builds the same, or it would be built twice.
@@ -53,9 +53,15 @@ fuzz: ## damage scenes, models and images, each format for fuzz_seconds (60), an
 gallery: setup ## render the pictures of the documentation
 	$(env) python scripts/gallery.py
 
-bench: setup ## measure the speed, and how the error falls with samples
-	$(env) python scripts/bench.py
-	$(env) python scripts/convergence.py
+# Options of scripts/bench: --quick, --all, --only, --without, --help.
+bench_options ?=
+
+bench: setup ## measure raggio beside Mitsuba, Cycles and Embree (bench_options=--quick: a minute)
+	$(env) python scripts/bench $(bench_options)
+
+curves: setup ## measure how cost grows with triangles, pixels, lights ..., and how the error falls with samples
+	$(env) python scripts/bench/curves.py
+	$(env) python scripts/bench/convergence.py
 
 style: setup # lint without the compiler
 	$(env) cargo fmt --all --check

@@ -223,6 +223,22 @@ esac
 
 need has_compiler "g++" "A C++ compiler ${CXX:+(CXX=$CXX does not work) }is missing: install g++ (Debian/Ubuntu), gcc-c++ (Fedora), gcc (Arch) \
 or run 'xcode-select --install' (macOS); for clang alone, set CXX=clang++."
+
+# Kernels are a sixth faster by clang, and compiled in half the time. They do without: nothing is said where there is none.
+has_clang() {
+    local clang
+    [ -n "${CXX:-}" ] && return
+    for clang in clang++-{22..16} clang++; do
+        command -v "$clang" >/dev/null || continue
+        [[ $("$clang" --version) =~ clang\ version\ ([0-9]+) ]] && ((BASH_REMATCH[1] >= 16)) && return
+    done
+    return 1
+}
+if ! has_clang && has_apt; then
+    say "installing clang-19 with apt-get: it makes faster kernels than g++"
+    apt_update
+    apt_install clang-19 2>/dev/null || say "clang-19 cannot be had: g++ will do"
+fi
 need has_python "python3 python3-venv" "Python 3.10 or newer with venv is missing: install python3 python3-venv \
 (Debian/Ubuntu), python3 (Fedora), python (Arch) or 'brew install python' (macOS)."
 check_rust

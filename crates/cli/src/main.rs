@@ -1,6 +1,7 @@
 //! The program `raggio`: scene files in, pictures out.
 
 mod args;
+mod bench;
 mod error;
 mod files;
 mod listing;
@@ -59,6 +60,7 @@ fn run() -> Result<(), Failure> {
         Command::View { .. } => {
             Err(Failure::Input("this raggio was built without its window: `make install` builds one with it".into()))
         }
+        Command::Bench(arguments) => bench::bench(&arguments),
         Command::Devices => listing::devices(),
         Command::Check { scene, assets } => listing::check(&scene, assets.options(None)),
         Command::Schema => listing::schema(),

@@ -1,5 +1,6 @@
 //! The program `raggio`, run as a user would.
 
+mod bench;
 mod common;
 mod film;
 mod outputs;

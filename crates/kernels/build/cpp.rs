@@ -138,8 +138,10 @@ impl Sources {
 
     /// All there is to compile for `levels`, what takes longest first.
     pub fn units<'a>(&'a self, levels: &'a [Level]) -> Vec<Unit<'a>> {
-        let lanes = levels.iter().filter(|level| level.lanes > 1);
-        let lanes = lanes.flat_map(|level| self.lanes.iter().map(move |lanes| Unit { level, lanes: Some(lanes) }));
+        let lanes = levels.iter().flat_map(|level| {
+            let lanes = self.lanes.iter().filter(|lanes| lanes.are_of(level.lanes));
+            lanes.map(move |lanes| Unit { level, lanes: Some(lanes) })
+        });
         lanes.chain(levels.iter().map(|level| Unit { level, lanes: None })).collect()
     }
 
@@ -153,8 +155,8 @@ impl Sources {
         };
         write(&file, &text)?;
 
-        let mut build = cc::Build::new();
-        build.cpp(true).std("c++17").opt_level(3).debug(false).warnings(false).file(&file);
+        let mut build = compiler_of_kernels();
+        build.std("c++17").opt_level(3).debug(false).warnings(false).file(&file);
         // Kernels use nothing of the C++ library. Lines for cargo are printed by `link`, where results are kept too.
         build.cargo_metadata(false).cpp_link_stdlib(None);
         if level.checked {
@@ -175,10 +177,9 @@ impl Sources {
         };
 
         let compiler = build.try_get_compiler().map_err(failed)?;
-        let version = Command::new(compiler.path()).arg("--version").output().map(|output| output.stdout);
+        let version = version_of(compiler.path()).unwrap_or_default();
         // Flags name no folder, so that all profiles share what is kept: the unit finds its parts beside it.
         let recipe = format!("{:?} {:?}", compiler.path(), compiler.args());
-        let version = String::from_utf8_lossy(&version.unwrap_or_default()).into_owned();
         let file = if compiler.is_like_msvc() { format!("{library}.lib") } else { format!("lib{library}.a") };
         let parts: [&str; 2] = match unit.lanes {
             Some(lanes) => [Lanes::RUNTIME, &lanes.text],
@@ -191,7 +192,8 @@ impl Sources {
 
     /// Entry points of kernels of single paths that a level has.
     fn single(&self, level: &Level) -> Vec<String> {
-        let elsewhere = |entry: &String| level.lanes > 1 && self.lanes.iter().any(|lanes| lanes.name == entry);
+        let elsewhere =
+            |entry: &String| self.lanes.iter().any(|lanes| lanes.name == entry && lanes.are_of(level.lanes));
         self.entry_points.iter().filter(|entry| !elsewhere(entry)).cloned().collect()
     }
 
@@ -208,6 +210,57 @@ impl Sources {
             println!("cargo:rerun-if-env-changed={variable}_{}", target.replace('-', "_"));
         }
     }
+}
+
+/// The C++ compiler for kernels: the one that `$CXX` names, or clang, whose code is a sixth faster, or the system's.
+fn compiler_of_kernels() -> cc::Build {
+    let mut build = cc::Build::new();
+    build.cpp(true);
+    let target = std::env::var("TARGET").unwrap_or_default();
+    let named = ["CXX".to_owned(), format!("CXX_{target}"), format!("CXX_{}", target.replace('-', "_"))];
+    let is_for_here = std::env::var("HOST").is_ok_and(|host| host == target);
+    if is_for_here && !target.contains("msvc") && named.iter().all(|variable| std::env::var_os(variable).is_none()) {
+        let names = (OLDEST_CLANG..=NEWEST_CLANG).rev().map(|version| format!("clang++-{version}"));
+        let found = names.chain(["clang++".to_owned()]).find(|name| is_recent_clang(name));
+        if let Some(clang) = found {
+            build.compiler(clang);
+        }
+    }
+    build
+}
+
+/// Versions of clang that are looked for; older ones have not been tried.
+const OLDEST_CLANG: u32 = 16;
+const NEWEST_CLANG: u32 = 22;
+
+fn is_recent_clang(name: &str) -> bool {
+    let version = version_of(Path::new(name)).unwrap_or_default();
+    let number = version.split("clang version ").nth(1).and_then(|rest| rest.split('.').next()?.parse().ok());
+    number.is_some_and(|number: u32| number >= OLDEST_CLANG)
+}
+
+/// What a compiler says of its version; `None` where it does not run.
+fn version_of(compiler: &Path) -> Option<String> {
+    let output = Command::new(compiler).arg("--version").output().ok()?;
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// Name and version of the C++ compiler for kernels, as people write them.
+pub fn compiler_name() -> String {
+    let Ok(compiler) = compiler_of_kernels().try_get_compiler() else { return "unknown compiler".into() };
+    let version = version_of(compiler.path()).unwrap_or_default();
+    let number = |words: &str| {
+        let is_version = |word: &&str| word.contains('.') && word.starts_with(|c: char| c.is_ascii_digit());
+        words.split([' ', '\n', '(', ')', '-', '+']).find(is_version).unwrap_or_default().to_owned()
+    };
+    let kind = if compiler.is_like_clang() {
+        "clang"
+    } else if compiler.is_like_gnu() {
+        "gcc"
+    } else {
+        "msvc"
+    };
+    format!("{kind} {}", number(&version)).trim().to_owned()
 }
 
 /// Functions, by how their names begin, that are long and called from several places: a call costs little beside what
@@ -361,9 +414,21 @@ pub fn variant_name(entry: &str) -> String {
 /// Writes `cpu_table.rs`: Rust declarations of the compiled entry points and the choice among them.
 pub fn write_table(levels: &[Level], entry_points: &[String], out: &Path) -> Result<(), String> {
     let mut text = String::from("unsafe extern \"C\" {\n");
-    for Level { suffix, .. } in levels {
+    let mut choices = String::new();
+    for Level { name, suffix, lanes, .. } in levels {
+        let mut choice = |entry: &str, simple: &str, function: &str| {
+            let _ = writeln!(text, "    fn raggio_{function}_{suffix}(groups: *const [u32; 3], globals: *const u64);");
+            let variant = variant_name(entry);
+            let _ = writeln!(
+                choices,
+                "        (InstructionSet::{name}, EntryPoint::{variant}, {simple}) => Some(raggio_{function}_{suffix}),"
+            );
+        };
+        if *lanes > 1 {
+            choice("path", "true", "path_simple");
+        }
         for entry in entry_points {
-            let _ = writeln!(text, "    fn raggio_{entry}_{suffix}(groups: *const [u32; 3], globals: *const u64);");
+            choice(entry, "_", entry);
         }
     }
     text +=
@@ -371,17 +436,14 @@ pub fn write_table(levels: &[Level], entry_points: &[String], out: &Path) -> Res
     for Level { name, .. } in levels {
         let _ = write!(text, "InstructionSet::{name}, ");
     }
-    text +=
-        "];\n\nfn entry_point(set: InstructionSet, entry: EntryPoint) -> Option<Kernel> {\n    match (set, entry) {\n";
-    for Level { name, suffix, .. } in levels {
-        for entry in entry_points {
-            let variant = variant_name(entry);
-            let _ = writeln!(
-                text,
-                "        (InstructionSet::{name}, EntryPoint::{variant}) => Some(raggio_{entry}_{suffix}),"
-            );
-        }
-    }
+    let _ = write!(
+        text,
+        "];\n\n/// C++ compiler that made the machine code.\npub const COMPILER: &str = {:?};\n",
+        compiler_name()
+    );
+    text += "\n/// Function for `entry`, of those that know of principled materials and lights without size or, if `simple`, need not.\n\
+             fn entry_point(set: InstructionSet, entry: EntryPoint, simple: bool) -> Option<Kernel> {\n    match (set, entry, simple) {\n";
+    text += &choices;
     text += "        #[allow(unreachable_patterns)]\n        _ => None,\n    }\n}\n";
     write(&out.join("cpu_table.rs"), &text)
 }

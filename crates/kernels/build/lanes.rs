@@ -1,7 +1,7 @@
 //! Kernels that run for several paths at once: SPIR-V -> C++ (crates/lanes), and what `cpp/wave.h` has to know of them.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use raggio_lanes::{Options, RUNTIME, translate};
 
@@ -13,13 +13,18 @@ const HOOKS: [&str; 2] = ["walk", "addTerms"];
 /// Buffer of the paths that wait between stages.
 const PATHS: &str = "paths";
 
-/// Kernels of which the C++ compiler gets some at a time: the name of what runs them, and their entry points.
-pub const GROUPS: [(&str, &[&str]); 3] =
-    [("path", &["renew", "find", "shade"]), ("inspect", &["inspect"]), ("reference", &["reference"])];
+/// Kernels of which the C++ compiler gets some at a time: the name of the function that runs them, the place of their variant
+/// in `slangc::LANES`, and their entry points. What most pictures are made with has kernels for simple scenes of its own.
+const GROUPS: [(&str, usize, &[&str]); 4] = [
+    ("path", 0, &["renew", "find", "shade"]),
+    ("path_simple", 1, &["renew", "find", "shade"]),
+    ("inspect", 0, &["inspect"]),
+    ("reference", 0, &["reference"]),
+];
 
 /// C++ of a group of kernels for several paths at once, complete but for what differs from level to level.
 pub struct Lanes {
-    /// Name of the group, and of the kernel that is entered.
+    /// Name of the function that runs the group.
     pub name: &'static str,
     /// The translated kernels, and constants and functions that `context.h` and `wave.h` use.
     pub text: String,
@@ -29,6 +34,12 @@ impl Lanes {
     /// Header that the text includes as `lanes.h`.
     pub const RUNTIME: &str = RUNTIME;
 
+    /// Whether a level of so many lanes has these kernels. Few lanes gain little: only the path tracer is worth its
+    /// compile time there.
+    pub fn are_of(&self, lanes: u32) -> bool {
+        lanes >= 8 || (lanes > 1 && self.name.starts_with("path"))
+    }
+
     /// Name of the file with the text.
     pub fn file(&self) -> String {
         format!("{}.lanes.inc", self.name)
@@ -36,19 +47,22 @@ impl Lanes {
 
     /// Text of the C++ file for a level of instruction set.
     pub fn translation_unit(&self, suffix: &str, lanes: u32) -> String {
-        let driver = if self.name == "path" { "wave.h" } else { "pixels.h" };
+        let (name, file) = (self.name, self.file());
+        let driver = if name.starts_with("path") { "wave.h" } else { "pixels.h" };
+        // The namespace has another name in each unit, or the linker would take functions of one for those of another.
         format!(
-            "#define LANES {lanes}\n#define LEVEL {suffix}\n#define KERNEL {}\n#include \"{}\"\n#include \"{driver}\"\n",
-            self.name,
-            self.file(),
+            "#define LANES {lanes}\n#define LEVEL {suffix}\n#define KERNEL {name}\n#define lanes lanes_{name}_{suffix}\n\
+             #include \"{file}\"\n#include \"{driver}\"\n"
         )
     }
 
-    /// Translates the kernels of all groups in `code`, whose reflection stands beside it; `places` are the parameters' in
-    /// C++.
-    pub fn translate_all(code: &Path, declarations: &Declarations, places: &Places) -> Result<Vec<Self>, String> {
-        let groups = GROUPS.iter();
-        groups.map(|(name, entry_points)| Self::translate(name, entry_points, code, declarations, places)).collect()
+    /// Translates the kernels of all groups. `code` has the SPIR-V of each variant, with its reflection beside it; `places`
+    /// are the parameters' in C++.
+    pub fn translate_all(code: &[PathBuf], declarations: &Declarations, places: &Places) -> Result<Vec<Self>, String> {
+        let translated = GROUPS.iter().map(|(name, variant, entry_points)| {
+            Self::translate(name, entry_points, &code[*variant], declarations, places)
+        });
+        translated.collect()
     }
 
     fn translate(
@@ -60,12 +74,10 @@ impl Lanes {
     ) -> Result<Self, String> {
         let bytes = std::fs::read(code).map_err(|e| format!("cannot read {}: {e}", code.display()))?;
         let words: Vec<u32> = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-        let options = Options {
-            hooks: HOOKS.map(String::from).into(),
-            columns: vec![PATHS.into()],
-            ..Options::default()
-        };
-        let translation = translate(&words, entry_points, &options).map_err(|e| format!("cannot translate the kernels: {e}"))?;
+        let options =
+            Options { hooks: HOOKS.map(String::from).into(), columns: vec![PATHS.into()], ..Options::default() };
+        let translation =
+            translate(&words, entry_points, &options).map_err(|e| format!("cannot translate the kernels: {e}"))?;
         let reflection = Places::read(&code.with_extension("json"))?;
 
         let mut text = translation.code;
@@ -78,15 +90,14 @@ impl Lanes {
             }
             text += "}\n";
         }
-        for name in ["BLOCK"] {
-            let value = declarations.constants.iter().find(|(constant, _)| constant == name);
-            let (_, value) = value.ok_or(format!("the kernels have no constant `{name}`"))?;
-            let _ = writeln!(text, "constexpr uint32_t {name} = {value};");
-        }
+        let block = declarations.constants.iter().find(|(constant, _)| constant == "BLOCK");
+        let (_, block) = block.ok_or("the kernels have no constant `BLOCK`")?;
+        let _ = writeln!(text, "constexpr uint32_t BLOCK = {block};");
         for name in ["work", "film", "resting"] {
             let _ = writeln!(text, "constexpr uint32_t {}_WORD = {};", name.to_uppercase(), places.word(name)?);
         }
-        text += "\n/// Addresses of the kernels' buffers.\ninline void fill(Buffers& buffers, const uint64_t* globals) {\n";
+        text +=
+            "\n/// Addresses of the kernels' buffers.\ninline void fill(Buffers& buffers, const uint64_t* globals) {\n";
         let _ = writeln!(text, "    const uint64_t* scene = (const uint64_t*)globals[{}];", places.word("scene")?);
         for buffer in translation.buffers.iter().filter(|buffer| !buffer.columns) {
             let name = &buffer.name;

@@ -57,8 +57,9 @@ fn build(out: &Path) -> Result<(), String> {
                     move || slang.compile(cache, target, code)
                 },
             ))?;
-            let (declarations, places) = (Declarations::read(&slang.kernels)?, Places::read(&cpp.with_extension("json"))?);
-            let translated = Lanes::translate_all(&lanes[0], &declarations, &places)?;
+            let (declarations, places) =
+                (Declarations::read(&slang.kernels)?, Places::read(&cpp.with_extension("json"))?);
+            let translated = Lanes::translate_all(&lanes, &declarations, &places)?;
             let sources = cpp::Sources::write(&cpp, entry_points, translated, out)?;
             let units = sources.units(&levels);
             jobs.run_all(units.iter().map(|unit| || sources.compile(&cache, unit, out)))?;

@@ -67,9 +67,17 @@ extern "C" void RAGGIO_OF_LEVEL(raggio_walk_)(
     memcpy(&context, &globals, sizeof globals);
 #if defined(__AVX2__) && defined(__FMA__)
     if (const raggio::Traversal* traversal = raggio::traversalOf(globals)) {
-        raggio::walkInTurn(*traversal, rays, hits, count, [&](raggio::Way& way) {
-            return raggio::KernelHoles{(KERNEL_RAY*)&way.ray, way.ray.key, &context};
-        });
+        if (traversal->inTurn) {
+            raggio::walkInTurn(*traversal, rays, hits, count, [&](raggio::Way& way) {
+                return raggio::KernelHoles{(KERNEL_RAY*)&way.ray, way.ray.key, &context};
+            });
+            return;
+        }
+        for (uint32_t i = 0; i < count; i++) {
+            raggio::KernelHoles holes = {(KERNEL_RAY*)&rays[i], rays[i].key, &context};
+            if (rays[i].any) raggio::walk<true>(*traversal, rays[i], holes, hits[i]);
+            else raggio::walk<false>(*traversal, rays[i], holes, hits[i]);
+        }
         return;
     }
 #endif

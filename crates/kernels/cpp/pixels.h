@@ -22,5 +22,4 @@ static void eachPixel(const uint64_t* globals)
 
 } // namespace lanes
 
-#define RAGGIO_ENTRY RAGGIO_OF_LEVEL(RAGGIO_NAME(RAGGIO_NAME(raggio_, KERNEL), _))
 extern "C" void RAGGIO_ENTRY(const uint32_t*, const uint64_t* globals) { lanes::eachPixel(globals); }

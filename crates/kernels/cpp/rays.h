@@ -10,6 +10,8 @@
 #define RAGGIO_NAME(name, level) RAGGIO_JOINED(name, level)
 /// Name of a function of this level of instruction set: LEVEL ends it.
 #define RAGGIO_OF_LEVEL(name) RAGGIO_NAME(name, LEVEL)
+/// Name of the function that runs KERNEL.
+#define RAGGIO_ENTRY RAGGIO_OF_LEVEL(RAGGIO_NAME(RAGGIO_NAME(raggio_, KERNEL), _))
 
 namespace raggio {
 

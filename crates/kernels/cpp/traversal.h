@@ -75,6 +75,8 @@ struct Traversal {
     const RectangleBlock* rectangles;
     const BoxBlock* boxes;
     uint64_t root;
+    /// Not 0 where rays that come together are to be traced in turn: what they read is in no cache near by.
+    uint64_t inTurn;
 };
 
 // ---- Rays
@@ -144,7 +146,7 @@ inline float nearlyEqualProducts(float ax, float ay, float bx, float by) {
     float units[2];
     memcpy(&units[0], &exponents[finerP ? 0 : 1], 4);
     memcpy(&units[1], &exponents[finerP ? 2 : 3], 4);
-    float value = float(difference) * (1.1920929e-7f * units[0]) * units[1];
+    float value = float(difference) * (1.1920929e-7f * units[0]) * (1.1920929e-7f * units[1]);
     return (bits[0] ^ bits[2]) >> 31 ? -value : value;
 }
 

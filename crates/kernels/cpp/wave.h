@@ -46,6 +46,54 @@ private:
     bool left;
 };
 
+#if defined(LANES_AVX2)
+/// For each mask the places of its active lanes, a byte each.
+struct ActivePlaces {
+    uint64_t places[256];
+
+    constexpr ActivePlaces() : places() {
+        for (int mask = 0; mask < 256; mask++)
+            for (int lane = 0, count = 0; lane < 8; lane++)
+                if (mask >> lane & 1) places[mask] |= (uint64_t)lane << 8 * count++;
+    }
+};
+static constexpr ActivePlaces ACTIVE_PLACES;
+#endif
+
+/// Way in which the active lanes of a vector come to stand side by side.
+struct Packing {
+    uint32_t count;
+
+    Packing() = default;
+
+#if defined(LANES_AVX2)
+    __m256i order;
+
+    explicit Packing(Mask mask) : count(__builtin_popcount(bits(mask))) {
+        order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((long long)ACTIVE_PLACES.places[bits(mask)]));
+    }
+#else
+    Mask mask;
+
+    explicit Packing(Mask mask) : count(__builtin_popcount(bits(mask))), mask(mask) {}
+#endif
+
+    /// Writes the active lanes, and anything behind them, LANES words in all. Returns their number.
+    RAGGIO_INLINE uint32_t write(float* to, Float x) const {
+#if defined(LANES_AVX512)
+        _mm512_storeu_ps(to, _mm512_maskz_compress_ps(mask.bits, (__m512)x));
+#elif defined(LANES_AVX2)
+        _mm256_storeu_ps(to, _mm256_permutevar8x32_ps((__m256)x, order));
+#else
+        float packed[LANES] = {};
+        uint32_t next = 0;
+        each_lane(mask, [&](int i) { packed[next++] = lane(x, i); });
+        memcpy(to, packed, sizeof packed);
+#endif
+        return count;
+    }
+};
+
 /// Paths that wait, word by word: `WaitingPath` of kernels/stages/state.slang.
 class Queue {
 public:
@@ -58,42 +106,51 @@ public:
 
     void clear() { memset(words[path_columns::status], 0, sizeof words[0]); }
 
-    /// Brings the paths among the first `count` that go on to the front, and returns their number.
+    /// Brings the paths among the first `count` that go on to the front, in their order, and those that have ended behind
+    /// them. Returns the number of those that go on.
     RAGGIO_NOINLINE uint32_t divide(uint32_t count) {
-        uint16_t from[CAPACITY], to[CAPACITY];
-        uint32_t moves = 0, front = 0, back = count, media = 0;
-        const uint32_t* states = (const uint32_t*)words[path_columns::status];
-        for (;;) {
-            while (front < back && states[front] == ALIVE) front++;
-            while (front < back && states[back - 1] != ALIVE) back--;
-            if (front == back) break;
-            to[moves] = uint16_t(front++);
-            from[moves++] = uint16_t(--back);
-            uint32_t held;
-            memcpy(&held, &words[path_columns::mediaCount][from[moves - 1]], 4);
-            media = held > media ? held : media;
+        const Uint alive = splat(ALIVE);
+        uint32_t vectors = (count + LANES - 1) / LANES, left = 0;
+        Packing goOn[CAPACITY / LANES], ended[CAPACITY / LANES];
+        Uint media = splat(0u);
+        for (uint32_t i = 0; i < vectors; i++) {
+            // Whole vectors are divided; behind the first `count` no path goes on.
+            Mask isAlive = equal(vector(path_columns::status, i), alive);
+            goOn[i] = Packing(isAlive);
+            ended[i] = Packing(inverse(isAlive));
+            left += goOn[i].count;
+            media = largest(media, choose(isAlive, vector(path_columns::mediaCount, i), splat(0u)));
         }
+        if (left == count) return left;
+        uint32_t mostMedia = 0;
+        each_lane(ALL, [&](int i) { mostMedia = lane(media, i) > mostMedia ? lane(media, i) : mostMedia; });
         using namespace path_columns;
-        for (uint32_t column = 0; column < bodies + 2 * media; column++) {
-            float* row = words[column];
+        for (uint32_t column = 0; column < bodies + 2 * mostMedia; column++) {
             // Of a path that has ended nothing is needed but what `renew` adds to the film.
             bool isKept = column == status || column == pixel || column == weight || column == rays || column == flags
                 || (column >= radiance && column < radiance + 3);
-            if (isKept)
-                for (uint32_t i = 0; i < moves; i++) {
-                    float ended = row[to[i]];
-                    row[to[i]] = row[from[i]];
-                    row[from[i]] = ended;
-                }
-            else
-                for (uint32_t i = 0; i < moves; i++) row[to[i]] = row[from[i]];
+            float behind[CAPACITY + LANES];
+            uint32_t front = 0, back = 0;
+            for (uint32_t i = 0; i < vectors; i++) {
+                Float x = as_float(vector(column, i));
+                if (isKept) back += ended[i].write(behind + back, x);
+                // What is written has been read: the front is not ahead of this vector.
+                front += goOn[i].write(words[column] + front, x);
+            }
+            if (isKept) memcpy(words[column] + front, behind, 4 * back);
         }
-        return front;
+        return left;
     }
 
 private:
     /// `Status.Alive`.
     static constexpr uint32_t ALIVE = 1;
+
+    Uint vector(uint32_t column, uint32_t i) const {
+        Uint x;
+        memcpy(&x, words[column] + i * LANES, sizeof x);
+        return x;
+    }
 
     alignas(64) float words[path_columns::size][CAPACITY];
 };
@@ -134,4 +191,4 @@ static void path(const uint64_t* globals)
 
 } // namespace lanes
 
-extern "C" void RAGGIO_OF_LEVEL(raggio_path_)(const uint32_t*, const uint64_t* globals) { lanes::path(globals); }
+extern "C" void RAGGIO_ENTRY(const uint32_t*, const uint64_t* globals) { lanes::path(globals); }

@@ -80,9 +80,12 @@ const TRAVERSAL_WORD: usize = 15;
 /// Way through the hierarchies. All find the same hits, bit for bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Walk {
-    /// Through nodes of eight children, where processor and scene have them: `cpp/traversal.h`.
+    /// Through nodes of eight children, where processor and scene have them: `cpp/traversal.h`. In large scenes rays that
+    /// come together take turns, so that they wait for memory together.
     #[default]
     Wide,
+    /// Through nodes of eight children, in turn whatever the size of the scene.
+    InTurn,
     /// Through binary nodes, as on other devices: `kernels/tracing.slang`.
     Portable,
 }
@@ -116,10 +119,10 @@ impl CpuScene {
     fn widen(&mut self) {
         let few = self.buffers.order.len() <= FEW_SHAPES;
         let instance = |shape: &ShapeReference| shape.kind == ShapeKind::Instance as u32;
-        if self.walk == Walk::Wide && few && !self.buffers.order.iter().any(instance) {
+        if self.walk != Walk::Portable && few && !self.buffers.order.iter().any(instance) {
             Arc::make_mut(&mut self.buffers.counts)[0].tried = self.buffers.order.len() as u32;
         }
-        let is_built = cfg!(target_arch = "x86_64") && self.walk == Walk::Wide;
+        let is_built = cfg!(target_arch = "x86_64") && self.walk != Walk::Portable;
         self.wide = if is_built { WideScene::new(&self.buffers, self.wide.as_ref()) } else { None };
     }
 
@@ -179,7 +182,8 @@ fn resting_words(work: &Work) -> usize {
 /// If the buffers are smaller than the work, or `set` is not one of [`InstructionSet::available`].
 pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>, work: &Work, buffers: Buffers<'_>) {
     assert!(set.supported(), "this processor lacks {}", set.name());
-    let kernel = entry_point(set, entry).expect("this build has kernels for every level it lists");
+    let simple = scene.is_some_and(|scene| scene.buffers.is_simple());
+    let kernel = entry_point(set, entry, simple).expect("this build has kernels for every level it lists");
     let first = work.first_row.checked_sub(work.band_row).expect("the work begins inside its band");
     let pixels = work.width as usize * (first as usize + work.rows as usize);
     let large_enough = match entry {
@@ -204,7 +208,8 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
         |scene: &CpuScene| work.filter != PixelFilter::Tabulated as u32 || !scene.buffers.filter_table.is_empty();
     assert!(scene.is_none_or(drawn), "the scene has no table of the work's filter");
     let block = scene.map_or_else(empty_block, CpuScene::block);
-    let traversal = scene.and_then(|scene| Some(scene.wide.as_ref()?.words(&scene.buffers)));
+    let traversal =
+        scene.and_then(|scene| Some(scene.wide.as_ref()?.words(&scene.buffers, scene.walk == Walk::InTurn)));
     let mut globals = [0u64; TRAVERSAL_WORD + 1];
     globals[TRAVERSAL_WORD] = traversal.as_ref().map_or(0, |words| words.as_ptr() as u64);
     globals[SCENE_WORD] = block.as_ptr() as u64;

@@ -84,6 +84,11 @@ impl BvhChild {
 pub const MOST_IN_HIERARCHY: u32 = 1 << GROUP_SHIFT;
 
 impl SceneBuffers {
+    /// Whether there are no principled materials and no lights without size: kernels that know of neither are faster.
+    pub fn is_simple(&self) -> bool {
+        self.principled.is_empty() && self.lights.is_empty()
+    }
+
     /// Checks every index that a kernel follows, so that none can read outside its buffer.
     pub fn check(&self) -> Result<(), BrokenScene> {
         self.check_after(&Self::default())

@@ -33,7 +33,7 @@ pub use pictures::png_file::PngBits;
 pub use raggio_choice::{Choice, UnknownName, endings, listed};
 pub use raggio_denoise::{DenoiseError, Denoiser};
 pub use raggio_kernels::compile::FOLDER as KERNELS_FOLDER;
-pub use raggio_kernels::cpu::InstructionSet;
+pub use raggio_kernels::cpu::{InstructionSet, Walk};
 pub use raggio_kernels::{
     Comparison, Feature, FilmPixel, MAX_NESTED_MEDIA, Probe, SamplerKind, Sequence, ShapeKind, Spirv, ToneMapper, View,
 };

@@ -38,6 +38,7 @@ mod names;
 mod number;
 mod reader;
 mod review;
+mod rock;
 mod scene;
 mod schema;
 mod showing;

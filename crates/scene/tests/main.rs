@@ -7,4 +7,5 @@ mod errors;
 mod hostile;
 mod load;
 mod reference;
+mod rock;
 mod schema;

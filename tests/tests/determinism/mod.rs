@@ -5,6 +5,7 @@ mod bounds;
 mod devices_agree;
 mod divided;
 mod film;
+mod walks;
 
 use raggio_scene::Scene;
 const CORNELL: &str = include_str!("../../../scenes/reference/cornell.toml");

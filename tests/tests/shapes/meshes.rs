@@ -39,7 +39,7 @@ pub fn ball(n: u32) -> Arc<Mesh> {
 }
 
 /// Triangles anywhere in a cube of twice the size `room`; some thin, some of which the next is a copy.
-fn soup(count: usize, room: f64, random: &mut Pcg) -> Arc<Mesh> {
+pub fn soup(count: usize, room: f64, random: &mut Pcg) -> Arc<Mesh> {
     let mut positions: Vec<[f32; 3]> = vec![];
     for i in 0..count {
         if i > 0 && random.below(8) == 0 {

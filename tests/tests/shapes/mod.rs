@@ -3,7 +3,7 @@
 mod hierarchy;
 mod leave;
 mod lists;
-mod meshes;
+pub mod meshes;
 mod nearest;
 
 use raggio_render::{Answer, Question};

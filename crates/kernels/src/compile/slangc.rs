@@ -32,12 +32,11 @@ pub enum Target {
 /// Variants of the kernels that processors run for several paths at once: the ending of the names of their files, and the
 /// definitions for Slang.
 #[allow(dead_code)]
-pub const LANES: [(&str, &[&str]); 1] = [("lanes.spv", &[])];
+pub const LANES: [(&str, &[&str]); 2] = [("lanes.spv", &[]), ("simple.lanes.spv", &["-DSIMPLE"])];
 
 /// Files of the kernels that processors run for several paths at once; each has an entry point of its name.
 #[allow(dead_code)]
-pub const LANES_FILES: [&str; 5] =
-    ["stages/renew", "stages/find", "stages/shade", "entry/inspect", "entry/reference"];
+pub const LANES_FILES: [&str; 5] = ["stages/renew", "stages/find", "stages/shade", "entry/inspect", "entry/reference"];
 
 impl Target {
     fn arguments(self) -> Vec<&'static str> {

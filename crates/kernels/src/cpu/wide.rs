@@ -8,14 +8,16 @@ use std::sync::Arc;
 
 use self::blocks::{Blocks, InstanceRecord};
 use self::collapse::{LEAF, Leaves, Node, collapse};
-use crate::{BvhChild, BvhNode, Mesh, SceneBuffers, ShapeKind, ShapeReference};
+use crate::{BvhChild, BvhNode, Mesh, SceneBuffers, ShapeKind, ShapeReference, Triangle};
 
 /// Number of words of `Traversal` in `cpp/traversal.h`.
-const WORDS: usize = 8;
+const WORDS: usize = 9;
 /// Reference to nothing.
 const NONE: u32 = u32::MAX;
 /// Triangles that a leaf may have: two of the blocks that are tested at once.
 const MOST_TRIANGLES: u32 = 8;
+/// Bytes that caches hold near by: the second level has half a megabyte and more, of which a core reads a part much.
+const NEAR: usize = 4 << 20;
 /// Cost of a block of four triangles or shapes beside that of a node.
 const BLOCK_COST: f32 = 0.5;
 
@@ -60,8 +62,8 @@ impl WideScene {
         Some(Self { meshes, nodes, root, blocks })
     }
 
-    /// `Traversal` of `cpp/traversal.h`. The addresses in it are good as long as this scene and `buffers` are.
-    pub fn words(&self, buffers: &SceneBuffers) -> [u64; WORDS] {
+    /// `Traversal` of `cpp/traversal.h`; rays take turns if `in_turn`, or where the scene is large. Its addresses are good as long as this scene and `buffers` are.
+    pub fn words(&self, buffers: &SceneBuffers, in_turn: bool) -> [u64; WORDS] {
         let Blocks { instances, spheres, rectangles, boxes } = &self.blocks;
         [
             self.nodes.as_ptr() as u64,
@@ -72,7 +74,14 @@ impl WideScene {
             rectangles.as_ptr() as u64,
             boxes.as_ptr() as u64,
             u64::from(self.root),
+            u64::from(in_turn || self.bytes(buffers) > NEAR),
         ]
+    }
+
+    /// Bytes of nodes and triangles.
+    fn bytes(&self, buffers: &SceneBuffers) -> usize {
+        let nodes = self.nodes.len() + self.meshes.nodes.len();
+        nodes * size_of::<Node>() + buffers.triangles.len() * size_of::<Triangle>()
     }
 }
 
@@ -84,7 +93,8 @@ impl WideMeshes {
         let mut nodes = vec![];
         let roots = buffers.meshes.iter().map(|mesh| {
             let first = nodes.len() as u32;
-            let root = collapse(&buffers.mesh_nodes, mesh.root, &mut Triangles { first: mesh.first_triangle }, &mut nodes);
+            let root =
+                collapse(&buffers.mesh_nodes, mesh.root, &mut Triangles { first: mesh.first_triangle }, &mut nodes);
             // References count from the mesh's own first node.
             (root, first)
         });

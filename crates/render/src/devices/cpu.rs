@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use raggio_kernels::cpu::{Buffers, CpuScene, InstructionSet, dispatch};
+use raggio_kernels::cpu::{Buffers, COMPILER, CpuScene, InstructionSet, Walk, dispatch};
 use raggio_kernels::{EntryPoint, Feature, FilmPixel, Probe, Work};
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -29,11 +29,13 @@ pub struct CpuOptions {
     pub instruction_set: Option<InstructionSet>,
     /// Rows of the image that a thread takes at a time.
     pub tile_rows: u32,
+    /// Way of rays through the hierarchies.
+    pub walk: Walk,
 }
 
 impl Default for CpuOptions {
     fn default() -> Self {
-        Self { threads: 0, instruction_set: None, tile_rows: 4 }
+        Self { threads: 0, instruction_set: None, tile_rows: 4, walk: Walk::default() }
     }
 }
 
@@ -50,6 +52,7 @@ struct Workers {
     pool: ThreadPool,
     set: InstructionSet,
     tile_rows: u32,
+    walk: Walk,
 }
 
 impl Workers {
@@ -75,7 +78,7 @@ impl CpuDevice {
             .num_threads(threads)
             .build()
             .map_err(|e| DeviceError::Host(format!("cannot start {}: {e}", counted(threads, "thread"))))?;
-        Ok(Self { workers: Arc::new(Workers { pool, set, tile_rows: options.tile_rows.max(1) }) })
+        Ok(Self { workers: Arc::new(Workers { pool, set, tile_rows: options.tile_rows.max(1), walk: options.walk }) })
     }
 
     /// Line of the CPU in the list of devices.
@@ -85,7 +88,7 @@ impl CpuDevice {
             name: processor_name(),
             kind: "processor",
             driver: match InstructionSet::best() {
-                Some(set) => format!("{}, {} kernels", counted(cores(), "core"), set.name()),
+                Some(set) => format!("{}, {} kernels by {COMPILER}", counted(cores(), "core"), set.name()),
                 None => counted(cores(), "core"),
             },
             memory_bytes: total_memory_bytes(),
@@ -103,7 +106,7 @@ impl Device for CpuDevice {
     fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
         Ok(Box::new(CpuSession {
             workers: self.workers.clone(),
-            scene: CpuScene::new(scene.buffers.clone())?,
+            scene: CpuScene::with_walk(scene.buffers.clone(), self.workers.walk)?,
             work: scene.work,
             integrator: scene.settings.integrator,
             resting: vec![],

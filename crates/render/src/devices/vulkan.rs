@@ -168,7 +168,7 @@ impl Kernels {
         let buffers: Vec<_> = buffers.collect::<Result<_, DeviceError>>()?;
         let limit = self.context.max_binding_bytes();
         let variant = Variant {
-            simple: scene.principled.is_empty() && scene.lights.is_empty(),
+            simple: scene.is_simple(),
             wide: self.context.has_addresses() && buffers.iter().any(|(_, buffer)| buffer.size() > limit),
         };
         let set = self.module(variant)?.bind(SCENE_SET, &buffers)?;

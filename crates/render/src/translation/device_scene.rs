@@ -123,7 +123,8 @@ impl DeviceScene {
             self.shape_of_place = unbounded.iter().copied().chain(order).collect();
         }
         let [shapes, unbounded, nodes] = [boxes.len(), unbounded.len(), self.buffers.nodes.len()].map(|n| n as u32);
-        self.buffers.counts = vec![SceneCounts { shapes, unbounded, tried: unbounded, nodes, ..SceneCounts::default() }].into();
+        self.buffers.counts =
+            vec![SceneCounts { shapes, unbounded, tried: unbounded, nodes, ..SceneCounts::default() }].into();
     }
 
     /// Looks at the same scene from another camera, or with other settings: `scene` differs from the one this was made

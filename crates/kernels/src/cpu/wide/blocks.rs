@@ -2,8 +2,8 @@
 
 use crate::{Instance, SceneBuffers, ShapeKind, ShapeReference};
 
-use super::collapse::leaf;
 use super::NONE;
+use super::collapse::leaf;
 
 /// Kinds of leaves: `Kind` of `cpp/traversal.h`.
 const SPHERES: u32 = 0;

@@ -9,15 +9,13 @@ Pictures are kept in target/convergence and not rendered again. The bunny is lef
 tests/data/models.
 """
 import argparse
-import pathlib
 import subprocess
 
 import matplotlib
 import numpy
-import OpenEXR
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-RAGGIO = ROOT / "target/release/raggio"
+from project import RAGGIO, ROOT, bunny, read_picture
+
 PICTURES = ROOT / "target/convergence"
 PLOT = ROOT / "docs/images/convergence.png"
 # Least brightness of a pixel; darker ones count as if they were this bright.
@@ -26,9 +24,8 @@ DARK = 1e-2
 
 def scenes():
     found = {name: ROOT / f"scenes/reference/{name}.toml" for name in ["cornell", "lamp", "nested", "spheres", "weekend"]}
-    for folder in [ROOT / "tests/data", ROOT.parent / "shared"]:
-        if (folder / "models/bunny.ply").exists():
-            found["bunny"] = folder / "reference/bunny.toml"
+    if scene := bunny():
+        found["bunny"] = scene
     return dict(sorted(found.items()))
 
 
@@ -38,8 +35,7 @@ def picture(name, scene, samples, seed, device):
         PICTURES.mkdir(parents=True, exist_ok=True)
         subprocess.run([RAGGIO, "render", scene, "--samples", str(samples), "--seed", str(seed), "--device", device,
                         "--quiet", "-o", file], check=True)
-    with OpenEXR.File(str(file)) as exr:
-        return exr.channels()["RGB"].pixels.astype(numpy.float64)
+    return read_picture(file)
 
 
 def error(name, scene, samples, device):

@@ -1,0 +1,113 @@
+//! Ways of rays through the CPU's hierarchies, and numbers of paths that kernels follow at once: all make the same picture,
+//! bit for bit.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
+use raggio_render::{CpuDevice, CpuOptions, Feature, FilmPixel, InstructionSet, Walk};
+use raggio_scene::{Geometry, Integrator, Scene, Shape};
+use raggio_tests::render::load;
+use raggio_tests::{Pcg, parse};
+
+use crate::determinism::scenes;
+use crate::shapes::meshes::{ball, soup};
+
+const SAMPLES: u32 = 4;
+const WALKS: [Walk; 3] = [Walk::Wide, Walk::InTurn, Walk::Portable];
+
+/// Hundreds of closed forms and instances of meshes side by side, some exactly where others are, some that let part of the
+/// light pass, glass within glass.
+fn crowd() -> Scene {
+    let mut text = String::from(
+        "[render]\nwidth = 42\nheight = 33\nmax_depth = 9\n[environment]\ncolor = [0.5, 0.6, 0.7]
+         [camera]\nposition = [0, 0, 30]\nlook_at = [0, 0, 0]\nvertical_fov_degrees = 40
+         [materials.clay]\ncolor = [0.7, 0.6, 0.5]\n[materials.lamp]\nemission_color = [1, 1, 1]\nemission_strength = 3
+         [materials.glass]\nrefractive_index = 1.5\nsmoothness = 1\n[materials.water]\nrefractive_index = 1.3\nsmoothness = 1
+         [materials.veil.principled]\nalpha = 0.5\nalpha_mode = \"blend\"\nbase_color = [0.2, 0.8, 0.3]
+         [materials.metal.principled]\nmetallic = 1\nroughness = 0.3\n",
+    );
+    let random = &mut Pcg::new(3);
+    let names = ["clay", "clay", "lamp", "glass", "water", "veil", "metal"];
+    let mut last = String::new();
+    for i in 0..300 {
+        let v = |v: DVec3| format!("[{}, {}, {}]", v.x, v.y, v.z);
+        let (at, size) = (random.in_cube(10.0), random.log_between(0.1, 2.0));
+        if i % 7 != 1 {
+            last = match random.below(3) {
+                0 => format!("sphere = {{ center = {}, radius = {size} }}", v(at)),
+                1 => format!(
+                    "box = {{ center = {}, size = [{size}, 1, 1], rotation_degrees = {} }}",
+                    v(at),
+                    v(90.0 * at)
+                ),
+                _ => {
+                    let axis = random.below(3);
+                    let (u, w) = (DVec3::AXES[axis] * size, DVec3::AXES[(axis + 1) % 3]);
+                    format!("rectangle = {{ corner = {}, edge_u = {}, edge_v = {} }}", v(at), v(u), v(w))
+                }
+            };
+        }
+        text += &format!("[[shapes]]\nmaterial = \"{}\"\n{last}\n", names[random.below(names.len())]);
+    }
+    text += "[[shapes]]\nmaterial = \"clay\"\nplane = { point = [0, -11, 0], normal = [0, 1, 0] }\n";
+    let mut scene = parse(&text);
+    let meshes = [soup(300, 2.0, random), ball(12), ball(3)];
+    for i in 0..40 {
+        let map = if i == 0 {
+            DAffine3::IDENTITY
+        } else {
+            let turn = random.direction();
+            DAffine3::from_translation(random.in_cube(10.0))
+                * DAffine3::from_axis_angle(turn, f64::from(i))
+                * DAffine3::from_scale(DVec3::splat(random.log_between(0.1, 1.5)) * DVec3::new(1.0, 1.0, -1.0))
+        };
+        let material = random.below(scene.materials.len());
+        let mesh = Arc::clone(&meshes[random.below(3)]);
+        let geometry = Geometry::Mesh { mesh, world_from_mesh: map, first_material: None };
+        scene.shapes.push(Shape { entry: scene.shapes.len(), material, geometry });
+    }
+    scene
+}
+
+/// Film of `scene` on the CPU, of a feature of what rays meet first or of light.
+fn film(options: CpuOptions, scene: &Scene, feature: Feature) -> Vec<FilmPixel> {
+    let device = CpuDevice::new(options).expect("the set is available");
+    let mut session = load(&device, scene);
+    session.show(feature).expect("the feature can be shown");
+    session.add_samples(0..scene.render.height, 0..SAMPLES).expect("the device renders");
+    session.film().expect("the film can be read").pixels().to_vec()
+}
+
+#[test]
+fn all_walks_and_levels_make_one_picture() {
+    let scenes = scenes().into_iter().chain([("crowd", crowd())]);
+    for (name, mut scene) in scenes {
+        for (integrator, feature) in [
+            (Integrator::Path, Feature::Radiance),
+            (Integrator::Reference, Feature::Radiance),
+            (Integrator::Path, Feature::Depth),
+            (Integrator::Path, Feature::GuideAlbedo),
+        ] {
+            scene.render.integrator = integrator;
+            let mut first: Option<Vec<FilmPixel>> = None;
+            for set in InstructionSet::available() {
+                for walk in WALKS {
+                    let options = CpuOptions { instruction_set: Some(set), walk, ..CpuOptions::default() };
+                    let film = film(options, &scene, feature);
+                    let first = first.get_or_insert_with(|| film.clone());
+                    let differ = film.iter().zip(&*first).filter(|(a, b)| a != b).count();
+                    assert_eq!(
+                        differ,
+                        0,
+                        "{name}, {integrator:?}, {feature:?}, {}, {walk:?}: pixels differ",
+                        set.name()
+                    );
+                }
+            }
+            let seen = first.expect("there are levels");
+            let rejected: u32 = seen.iter().map(|pixel| pixel.rejected).sum();
+            let seen = seen.iter().filter(|pixel| pixel.rays > SAMPLES).count() as u32 + rejected;
+            assert!(feature != Feature::Radiance || seen > 100, "{name}: few paths meet anything");
+        }
+    }
+}
