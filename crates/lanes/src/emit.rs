@@ -41,8 +41,10 @@ pub fn function(name: &str, program: &Program, analysis: &Analysis, buffers: &[B
     emitter.text.declare(&program.registers, 3, |register| analysis.varies(Value::Register(register)));
     let mut body = String::new();
     emitter.text.write(&mut body);
+    // Nothing that the function stores changes the context: pointers in it need not be read again.
     format!(
-        "template <class Context>\nstatic void {name}(const Context& context, Mask mask, Uint v0, Uint v1, Uint v2) {{\n \
+        "template <class Context>\n\
+         static void {name}(const Context& __restrict context, Mask mask, Uint v0, Uint v1, Uint v2) {{\n \
          (void)context, (void)mask, (void)v0, (void)v1, (void)v2;\n{body}}}\n"
     )
 }

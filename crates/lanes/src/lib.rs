@@ -76,7 +76,7 @@ pub struct Options {
 #[derive(Clone, Debug)]
 pub struct Translation {
     /// C++, of which the lines below are the outline. `Context` is a type of the includer's with these members, and those
-    /// that [`Options`] speaks of.
+    /// that [`Options`] speaks of. Kernels and hooks must not change it.
     ///
     /// ```cpp
     /// #include "lanes.h"
@@ -84,7 +84,7 @@ pub struct Translation {
     /// struct Buffers { char* film; const char* nodes; };
     /// // context.buffers is a Buffers; context.work points to the push constants.
     /// template <class Context>
-    /// static void kernel(const Context& context, Mask mask, Uint x, Uint y, Uint z);
+    /// static void kernel(const Context& __restrict context, Mask mask, Uint x, Uint y, Uint z);
     /// }
     /// ```
     pub code: String,
