@@ -42,8 +42,12 @@ struct WideMeshes {
 
 impl WideScene {
     /// Translates the checked scene in `buffers`; what `before` has of the same meshes is taken over. `None` where a mesh
-    /// has more triangles than a reference can count.
+    /// has more triangles than a reference can count, or a shape is of a kind that the wide walk does not know.
     pub fn new(buffers: &SceneBuffers, before: Option<&Self>) -> Option<Self> {
+        let bounded = &buffers.order[buffers.counts[0].unbounded as usize..];
+        if !bounded.iter().all(|shape| Blocks::holds(shape.kind)) {
+            return None;
+        }
         let source = (&buffers.mesh_nodes, &buffers.meshes);
         let same = |old: &WideMeshes| Arc::ptr_eq(&old.source.0, source.0) && Arc::ptr_eq(&old.source.1, source.1);
         let meshes = match before {

@@ -76,6 +76,12 @@ pub(super) struct Blocks {
 }
 
 impl Blocks {
+    /// Whether shapes of this kind can be added.
+    pub fn holds(kind: u32) -> bool {
+        let known = [ShapeKind::Sphere, ShapeKind::Rectangle, ShapeKind::Box, ShapeKind::Instance];
+        known.iter().any(|known| *known as u32 == kind)
+    }
+
     /// Adds up to four `shapes` of one kind, or one instance, and returns the reference to the leaf that holds them.
     pub fn add(
         &mut self,

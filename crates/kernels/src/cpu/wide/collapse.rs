@@ -1,4 +1,4 @@
-//! Nodes of eight children from binary ones, at the least cost that the surface area heuristic finds [ylitie2017efficient].
+//! Nodes of eight children from binary ones, at the least cost that the surface area heuristic finds [ylitie2017cwbvh].
 
 use crate::{BvhChild, BvhNode};
 
