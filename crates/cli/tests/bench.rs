@@ -1,4 +1,4 @@
-//! What `raggio bench` measures and says.
+//! Figures and words of `raggio bench`.
 
 use std::path::Path;
 

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
+use std::sync::OnceLock;
 
 use crate::cache::Cache;
 use crate::lanes::Lanes;
@@ -89,7 +90,7 @@ const WRITTEN_BY_HAND: [(&str, &str); 6] = [
     ("pixels.h", include_str!("../cpp/pixels.h")),
 ];
 
-/// Word behind the kernels' parameters in which the host passes its `Traversal`; src/cpu.rs knows it too.
+/// Word behind the kernels' parameters in which the host passes its `Traversal`.
 const TRAVERSAL_WORD: usize = 15;
 
 /// C++ of all kernels, in the parts that the C++ compiler gets.
@@ -100,7 +101,7 @@ pub struct Sources {
     lanes: Vec<Lanes>,
 }
 
-/// What the C++ compiler gets at once.
+/// Kernels that the C++ compiler gets at once.
 pub struct Unit<'a> {
     level: &'a Level,
     /// Kernels for several paths; `None` for those of single paths.
@@ -221,8 +222,10 @@ fn compiler_of_kernels() -> cc::Build {
     let is_for_here = std::env::var("HOST").is_ok_and(|host| host == target);
     if is_for_here && !target.contains("msvc") && named.iter().all(|variable| std::env::var_os(variable).is_none()) {
         let names = (OLDEST_CLANG..=NEWEST_CLANG).rev().map(|version| format!("clang++-{version}"));
-        let found = names.chain(["clang++".to_owned()]).find(|name| is_recent_clang(name));
-        if let Some(clang) = found {
+        // Every unit asks, and one answer is enough.
+        static FOUND: OnceLock<Option<String>> = OnceLock::new();
+        let found = || names.chain(["clang++".to_owned()]).find(|name| is_recent_clang(name));
+        if let Some(clang) = FOUND.get_or_init(found) {
             build.compiler(clang);
         }
     }
@@ -239,7 +242,7 @@ fn is_recent_clang(name: &str) -> bool {
     number.is_some_and(|number: u32| number >= OLDEST_CLANG)
 }
 
-/// What a compiler says of its version; `None` where it does not run.
+/// Text in which a compiler says its version; `None` where it does not run.
 fn version_of(compiler: &Path) -> Option<String> {
     let output = Command::new(compiler).arg("--version").output().ok()?;
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
@@ -440,6 +443,10 @@ pub fn write_table(levels: &[Level], entry_points: &[String], out: &Path) -> Res
         text,
         "];\n\n/// C++ compiler that made the machine code.\npub const COMPILER: &str = {:?};\n",
         compiler_name()
+    );
+    let _ = writeln!(
+        text,
+        "\n/// Word behind the parameters of the kernels in which hand-written code finds its `Traversal`.\nconst TRAVERSAL_WORD: usize = {TRAVERSAL_WORD};"
     );
     text += "\n/// Function for `entry`, of those that know of principled materials and lights without size or, if `simple`, need not.\n\
              fn entry_point(set: InstructionSet, entry: EntryPoint, simple: bool) -> Option<Kernel> {\n    match (set, entry, simple) {\n";

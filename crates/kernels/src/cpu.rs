@@ -74,9 +74,6 @@ type Kernel = unsafe extern "C" fn(*const [u32; 3], *const u64);
 
 include!(concat!(env!("OUT_DIR"), "/cpu_table.rs"));
 
-/// Word behind the parameters of the kernels in which hand-written code finds its `Traversal`; build/cpp.rs knows it too.
-const TRAVERSAL_WORD: usize = 15;
-
 /// Way through the hierarchies. All find the same hits, bit for bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Walk {
@@ -119,10 +116,12 @@ impl CpuScene {
     fn widen(&mut self) {
         let few = self.buffers.order.len() <= FEW_SHAPES;
         let instance = |shape: &ShapeReference| shape.kind == ShapeKind::Instance as u32;
-        if self.walk != Walk::Portable && few && !self.buffers.order.iter().any(instance) {
+        let tries_all = self.walk != Walk::Portable && few && !self.buffers.order.iter().any(instance);
+        if tries_all {
             Arc::make_mut(&mut self.buffers.counts)[0].tried = self.buffers.order.len() as u32;
         }
-        let is_built = cfg!(target_arch = "x86_64") && self.walk != Walk::Portable;
+        // Rays that try all shapes walk through no hierarchy.
+        let is_built = cfg!(target_arch = "x86_64") && self.walk != Walk::Portable && !tries_all;
         self.wide = if is_built { WideScene::new(&self.buffers, self.wide.as_ref()) } else { None };
     }
 

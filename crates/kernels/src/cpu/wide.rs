@@ -1,4 +1,4 @@
-//! What the walk of `cpp/traversal.h` reads: hierarchies of eight children a node, made from the binary ones that all
+//! Scene as the walk of `cpp/traversal.h` reads it: hierarchies of eight children a node, made from the binary ones that all
 //! devices share, and closed forms in blocks of four.
 
 mod blocks;

@@ -53,7 +53,7 @@ pub(super) fn leaf(kind: u32, place: u32) -> u32 {
     LEAF | kind << PLACE_BITS | place
 }
 
-/// What stands in the leaves.
+/// Contents of the leaves.
 pub(super) trait Leaves {
     /// Cost of one leaf that holds `count` from place `first` on; `None` if one leaf cannot.
     fn cost(&self, first: u32, count: u32) -> Option<f32>;
@@ -61,7 +61,7 @@ pub(super) trait Leaves {
     fn reference(&mut self, first: u32, count: u32) -> u32;
 }
 
-/// What is known of a binary node, or of a leaf.
+/// Knowledge of a binary node, or of a leaf.
 #[derive(Clone, Copy)]
 struct Tree {
     /// Least cost of all below as at most 1, 2 ... children of a node.
