@@ -10,6 +10,20 @@ use crate::layout::Places;
 
 /// Functions that are written by hand, or done lane by lane: `Context` of `cpp/wave.h`.
 const HOOKS: [&str; 2] = ["walk", "addTerms"];
+/// Functions that are called, for they are long, and several places need them; the rest is put into its callers. That makes
+/// a third of the code.
+const CALLED: [&str; 7] = [
+    "PrincipledFresnel_dielectric",
+    "RoughBoundary_at",
+    "StretchedMirror_loss",
+    "TexturedPoint_sample",
+    "ThinFilm_reflectance",
+    "attributesAt",
+    "emission",
+];
+/// Functions that are called where the path tracer, a quarter slower with them, has copies: what they are given and return
+/// is hundreds of numbers.
+const CALLED_BUT_BY_PATHS: [&str; 2] = ["Bsdf_look", "PrincipledBsdf_evaluate"];
 /// Buffer of the paths that wait between stages.
 const PATHS: &str = "paths";
 
@@ -21,6 +35,12 @@ const GROUPS: [(&str, usize, &[&str]); 4] = [
     ("inspect", 0, &["inspect"]),
     ("reference", 0, &["reference"]),
 ];
+
+/// Functions that the kernels of a group call.
+fn called(group: &str) -> impl Iterator<Item = &'static str> {
+    let others = if group.starts_with("path") { &[][..] } else { &CALLED_BUT_BY_PATHS };
+    CALLED.iter().chain(others).copied()
+}
 
 /// C++ of a group of kernels for several paths at once, complete but for what differs from level to level.
 pub struct Lanes {
@@ -62,7 +82,12 @@ impl Lanes {
         let translated = GROUPS.iter().map(|(name, variant, entry_points)| {
             Self::translate(name, entry_points, &code[*variant], declarations, places)
         });
-        translated.collect()
+        let translated: Vec<Self> = translated.collect::<Result<_, _>>()?;
+        let calls = |name: &str| translated.iter().any(|lanes| lanes.text.contains(&format!(" void {name}_")));
+        match CALLED.iter().chain(&CALLED_BUT_BY_PATHS).find(|name| !calls(name)) {
+            None => Ok(translated),
+            Some(name) => Err(format!("the kernels call no function {name}: correct CALLED in crates/kernels/build/lanes.rs")),
+        }
     }
 
     fn translate(
@@ -75,7 +100,7 @@ impl Lanes {
         let bytes = std::fs::read(code).map_err(|e| format!("cannot read {}: {e}", code.display()))?;
         let words: Vec<u32> = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
         let options =
-            Options { hooks: HOOKS.map(String::from).into(), columns: vec![PATHS.into()], ..Options::default() };
+            Options { hooks: HOOKS.map(String::from).into(), calls: called(name).map(String::from).collect(), columns: vec![PATHS.into()], ..Options::default() };
         let translation =
             translate(&words, entry_points, &options).map_err(|e| format!("cannot translate the kernels: {e}"))?;
         let reflection = Places::read(&code.with_extension("json"))?;

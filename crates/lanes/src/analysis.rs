@@ -54,7 +54,7 @@ impl Program {
         let after = liveness.after;
 
         let mut varying = vec![false; self.registers.len()];
-        self.place.iter().for_each(|register| varying[*register as usize] = true);
+        varying[..self.parameters as usize].fill(true);
         let parted = vec![false; self.labels as usize];
         let mut waiting =
             Waiting { numbers, after, varying, parted, open: vec![], at: vec![], depth: 0, changed: true };
@@ -194,7 +194,7 @@ impl Liveness<'_> {
             number => live.contains(number),
         };
         let needed = match &mut *instruction {
-            Instruction::Store { .. } | Instruction::Hook { .. } => true,
+            Instruction::Store { .. } | Instruction::Call { .. } | Instruction::Return(_) => true,
             Instruction::Write { place, .. } => is_live(self, live, place.variable),
             Instruction::Begin(registers) => {
                 registers.retain(|register| self.numbers[*register as usize] != LOCAL);
@@ -338,7 +338,7 @@ impl Waiting {
             Instruction::Compute { from, .. } => from.iter().any(|value| self.varies(*value)),
             Instruction::Load { memory: Memory::Columns(_), .. } => true,
             Instruction::Load { index, .. } => index.is_some_and(|index| self.varies(index.value)),
-            Instruction::Read { .. } | Instruction::Hook { .. } => true,
+            Instruction::Read { .. } | Instruction::Call { .. } | Instruction::Return(_) => true,
             Instruction::Write { place: Place { variable, .. }, kept, .. } => {
                 *kept = kept_where(&self.numbers, *variable).max(*kept);
                 return;

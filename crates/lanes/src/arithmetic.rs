@@ -123,7 +123,7 @@ fn elementwise(op: GLOp) -> Option<(&'static str, Kind)> {
     })
 }
 
-impl Lowering<'_> {
+impl Lowering<'_, '_> {
     fn add(&mut self, a: Value, b: Value) -> Value {
         self.compute(Infix("+"), Kind::Float, &[a, b])
     }

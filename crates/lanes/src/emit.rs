@@ -5,16 +5,18 @@
 //! what follows in between belongs to those that stay; where lanes can only have come to the end of a scope, all that entered
 //! it are there again, and no mask is kept at all.
 
+use std::fmt::Write as _;
+
 use crate::analysis::Analysis;
 use crate::cpp::{Block, Line, Text};
 use crate::program::{
-    Buffer, Index, Instruction, Kept, Kind, Label, Memory, Node, Operation, Place, Program, Register, Target, Value,
+    Buffer, Callee, Index, Instruction, Kept, Kind, Label, Memory, Node, Operation, Place, Program, Register, Target, Value,
 };
 
 /// Operations that are quicker done than asked whether any lane needs them.
 const SMALL: usize = 10;
 
-/// C++ of one entry point.
+/// C++ of one program.
 pub struct Emitter<'a> {
     program: &'a Program,
     analysis: &'a Analysis,
@@ -38,15 +40,32 @@ pub fn function(name: &str, program: &Program, analysis: &Analysis, buffers: &[B
     let way = (String::new(), false);
     let mut emitter = Emitter { program, analysis, buffers, text, ends, names: 0, way };
     emitter.list(&program.body, Text::BODY, "mask".into());
-    emitter.text.declare(&program.registers, 3, |register| analysis.varies(Value::Register(register)));
+    emitter.text.declare(&program.registers, program.parameters as usize, |register| analysis.varies(Value::Register(register)));
     let mut body = String::new();
     emitter.text.write(&mut body);
     // Nothing that the function stores changes the context: pointers in it need not be read again.
+    let mut parameters = String::new();
+    for (register, held) in (0..program.parameters).zip(&program.registers) {
+        let _ = write!(parameters, ", {} v{register}", vector_type(held.kind));
+    }
+    for (i, kind) in program.results.iter().enumerate() {
+        let _ = write!(parameters, ", {}& r{i}", vector_type(*kind));
+    }
+    let apart = if program.is_entry_point { "" } else { "__attribute__((noinline)) " };
     format!(
         "template <class Context>\n\
-         static void {name}(const Context& __restrict context, Mask mask, Uint v0, Uint v1, Uint v2) {{\n \
-         (void)context, (void)mask, (void)v0, (void)v1, (void)v2;\n{body}}}\n"
+         {apart}static void {name}(const Context& __restrict context, Mask mask{parameters}) {{\n \
+         (void)context, (void)mask;\n{body}}}\n"
     )
+}
+
+/// Type of a vector of what a register holds.
+fn vector_type(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Float => "Float",
+        Kind::Uint => "Uint",
+        Kind::Bool => "Mask",
+    }
 }
 
 impl Emitter<'_> {
@@ -349,12 +368,21 @@ impl Emitter<'_> {
                 self.text.line(block, line);
             }
             Instruction::Begin(_) => {}
-            Instruction::Hook { name, from, to } => {
-                let mut arguments = vec![mask.to_owned()];
+            Instruction::Return(from) => {
+                for (i, value) in from.iter().enumerate() {
+                    let value = self.vector(*value, block);
+                    self.text.line(block, format!("r{i} = {value};"));
+                }
+            }
+            Instruction::Call { callee, from, to } => {
+                let (function, mut arguments) = match callee {
+                    Callee::Hook(name) => (format!("context.{name}"), vec![mask.to_owned()]),
+                    Callee::Program(name) => (name.to_string(), vec!["context".into(), mask.to_owned()]),
+                };
                 arguments.extend(from.iter().map(|value| self.vector(*value, block)));
                 let results = self.results(to.iter().copied(), block);
                 arguments.extend(results.iter().map(|(_, name)| name.clone()));
-                self.text.line(block, format!("context.{name}({});", arguments.join(", ")));
+                self.text.line(block, format!("{function}({});", arguments.join(", ")));
                 self.settle(&results, block, mask);
             }
         }
@@ -385,11 +413,7 @@ impl Emitter<'_> {
     }
 
     fn vector_type(&self, register: Register) -> &'static str {
-        match self.program.registers[register as usize].kind {
-            Kind::Float => "Float",
-            Kind::Uint => "Uint",
-            Kind::Bool => "Mask",
-        }
+        vector_type(self.program.registers[register as usize].kind)
     }
 
     /// `value`, a vector of words, as what a register holds.

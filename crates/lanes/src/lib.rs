@@ -6,7 +6,7 @@
 //!
 //! # How it works
 //! 1. `module.rs` reads SPIR-V; nothing has to be optimised before.
-//! 2. `lower.rs` puts all calls into their callers and makes a tree of the blocks (`program.rs`): branches, loops, and
+//! 2. `lower.rs` puts calls into their callers, but for those of [`Options::calls`], and makes a tree of the blocks (`program.rs`): branches, loops, and
 //!    scopes that lanes may leave. `arithmetic.rs` and `memory.rs` translate what stands in the blocks. Every scalar of a
 //!    vector, structure or array is a register of its own.
 //! 3. `simplify.rs` and `locals.rs` drop scopes that nothing leaves, and copies of local variables.
@@ -65,6 +65,10 @@ pub struct Options {
     /// Results are what the function returns, then what each pointer that it writes through points to. Lanes that are not
     /// in the mask may hold anything, and may be given anything. `[noinline]` keeps a function of Slang apart.
     pub hooks: Vec<String>,
+    /// Functions that stay functions, by name, instead of being put into all that call them: those that are long and
+    /// called from several places. They are called as hooks are, and know of no argument that it is the same in all lanes.
+    /// Those that are not there are ignored.
+    pub calls: Vec<String>,
     /// Storage buffers, by name, of which every invocation owns the element at its place along x, and that are stored by
     /// columns: one for each word of an element. `context.NAME` is a `lanes::Columns` at the first lane's element.
     pub columns: Vec<String>,
@@ -98,17 +102,22 @@ pub struct Translation {
 /// When the module is not valid, has no such entry point, or does what there is no translation for.
 pub fn translate(words: &[u32], entry_points: &[&str], options: &Options) -> Result<Translation, Error> {
     let module = module::Module::read(words, &options.specialisation)?;
-    let mut buffers = vec![];
-    let mut functions = String::new();
+    let mut shared = lower::Shared { module: &module, options, buffers: vec![], called: vec![] };
+    let mut programs = vec![];
     for name in entry_points {
         let entry = module.entry_points.iter().find(|(entry, _)| entry == name);
         let (_, id) = entry.ok_or_else(|| Error::Missing((*name).to_owned()))?;
-        let mut program = lower::Lowering::translate(&module, options, *id, &mut buffers)?;
+        programs.push((*name, lower::Lowering::entry_point(&mut shared, *id)?));
+    }
+    let lower::Shared { mut called, buffers, .. } = shared;
+    let called = called.iter_mut().map(|(_, name, program)| (&**name, program));
+    let mut functions = String::new();
+    for (name, program) in called.chain(programs.iter_mut().map(|(name, program)| (*name, program))) {
         program.simplify();
         program.resolve_locals();
         let analysis = program.analyse();
         functions += "\n";
-        functions += &emit::function(name, &program, &analysis, &buffers);
+        functions += &emit::function(name, program, &analysis, &buffers);
     }
     let mut code = String::from("#include \"lanes.h\"\n\nnamespace lanes {\n\nstruct Buffers {\n");
     for buffer in buffers.iter().filter(|buffer| !buffer.columns) {

@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use crate::memory::Pointer;
 use crate::module;
 use crate::module::{Block, Constant, Function, Id, Module, Type};
-use crate::program::{Buffer, Instruction, Kind, Label, Memory, Node, Operation, Program, Register, Target, Value};
+use crate::program::{Buffer, Callee, Instruction, Kind, Label, Memory, Node, Operation, Program, Register, Target, Value};
 
 /// What a name of the module stands for.
 #[derive(Clone, Debug)]
@@ -41,30 +41,84 @@ struct Frame<'m> {
     returned: Rc<[Value]>,
 }
 
-/// Translation of one entry point.
-pub struct Lowering<'m> {
+/// What the entry points of a module share.
+pub struct Shared<'m> {
+    pub module: &'m Module,
+    pub options: &'m Options,
+    /// Buffers that they use.
+    pub buffers: Vec<Buffer>,
+    /// Functions that they call, those that others call first, with their names in C++.
+    pub called: Vec<(Id, Rc<str>, Program)>,
+}
+
+/// Translation of one entry point, or of a function that is called.
+pub struct Lowering<'m, 's> {
     pub module: &'m Module,
     pub program: Program,
-    pub buffers: &'m mut Vec<Buffer>,
-    options: &'m Options,
+    pub shared: &'s mut Shared<'m>,
     frames: Vec<Frame<'m>>,
     nodes: Vec<Node>,
 }
 
-impl<'m> Lowering<'m> {
-    /// Program of the entry point `id`. Buffers that it uses are appended to `buffers`.
-    pub fn translate(
-        module: &'m Module,
-        options: &'m Options,
-        id: Id,
-        buffers: &'m mut Vec<Buffer>,
-    ) -> Result<Program> {
-        let mut program = Program::default();
-        program.place = [(); 3].map(|()| program.register(Kind::Uint));
-        let mut lowering = Self { module, program, buffers, options, frames: vec![], nodes: vec![] };
+impl<'m, 's> Lowering<'m, 's> {
+    /// Program of the entry point `id`.
+    pub fn entry_point(shared: &'s mut Shared<'m>, id: Id) -> Result<Program> {
+        let mut lowering = Self::new(shared);
+        (0..3).for_each(|_| _ = lowering.program.register(Kind::Uint));
+        lowering.program.parameters = 3;
+        lowering.program.is_entry_point = true;
         lowering.inline(id, vec![])?;
-        lowering.program.body = lowering.nodes;
-        Ok(lowering.program)
+        Ok(lowering.finish())
+    }
+
+    /// Program of the function `id`: its parameters are what the arguments hold or point to, its results what it returns
+    /// and what it writes through pointers.
+    fn function(shared: &'s mut Shared<'m>, id: Id, function: &'m Function) -> Result<Program> {
+        let mut lowering = Self::new(shared);
+        let module = lowering.module;
+        let mut parameters = vec![];
+        for (_, kind) in &function.parameters {
+            let (pointee, is_pointer) = match *module.kind(*kind)? {
+                Type::Pointer(_, pointee) => (pointee, true),
+                _ => (*kind, false),
+            };
+            let kinds = module.scalars(pointee)?;
+            let values = kinds.iter().map(|kind| Value::Register(lowering.program.register(*kind)));
+            parameters.push((*kind, is_pointer, values.collect::<Rc<[Value]>>()));
+        }
+        lowering.program.parameters = lowering.program.registers.len() as u32;
+
+        let mut arguments = vec![];
+        let mut written = vec![];
+        for (i, (kind, is_pointer, values)) in parameters.into_iter().enumerate() {
+            if !is_pointer {
+                arguments.push(Bound::Values(values));
+                continue;
+            }
+            let local = lowering.local(kind)?;
+            lowering.store(local, &values)?;
+            arguments.push(Bound::Pointer(local));
+            if writes(module, function, i) {
+                written.push(local);
+            }
+        }
+        let mut results = lowering.inline(id, arguments)?.to_vec();
+        for local in written {
+            results.extend_from_slice(&lowering.load(local)?);
+        }
+        lowering.program.results = results.iter().map(|value| lowering.program_kind(*value)).collect();
+        lowering.push(Instruction::Return(results));
+        Ok(lowering.finish())
+    }
+
+    fn new(shared: &'s mut Shared<'m>) -> Self {
+        let module = shared.module;
+        Self { module, program: Program::default(), shared, frames: vec![], nodes: vec![] }
+    }
+
+    fn finish(mut self) -> Program {
+        self.program.body = self.nodes;
+        self.program
     }
 
     fn frame(&mut self) -> &mut Frame<'m> {
@@ -160,12 +214,13 @@ impl<'m> Lowering<'m> {
         let decoration = |decoration| self.module.decoration(id, decoration);
         let set = decoration(Decoration::DescriptorSet).unwrap_or(0);
         let binding = decoration(Decoration::Binding).unwrap_or(0);
-        let columns = self.options.columns.contains(&name);
+        let columns = self.shared.options.columns.contains(&name);
         let writable = decoration(Decoration::NonWritable).is_none();
         let buffer = Buffer { name, set, binding, writable, columns };
-        let place = self.buffers.iter().position(|known| *known == buffer).unwrap_or_else(|| {
-            self.buffers.push(buffer);
-            self.buffers.len() - 1
+        let buffers = &mut self.shared.buffers;
+        let place = buffers.iter().position(|known| *known == buffer).unwrap_or_else(|| {
+            buffers.push(buffer);
+            buffers.len() - 1
         });
         if columns { Memory::Columns(place) } else { Memory::Buffer(place) }
     }
@@ -507,14 +562,35 @@ impl<'m> Lowering<'m> {
         })
     }
 
-    /// Result of a call: of a hook, or of a function that is put here.
+    /// What a call of the function `id` calls; `None` if the function is put here instead.
+    fn callee(&mut self, id: Id, function: &'m Function) -> Result<Option<Callee>> {
+        let (options, name) = (self.shared.options, self.module.name(id));
+        if options.hooks.contains(&name) {
+            return Ok(Some(Callee::Hook(name.into())));
+        }
+        if !options.calls.contains(&name) {
+            return Ok(None);
+        }
+        let known = self.shared.called.iter().find(|(known, ..)| *known == id).map(|(_, name, _)| name.clone());
+        let name = match known {
+            Some(name) => name,
+            None => {
+                let program = Lowering::function(self.shared, id, function)?;
+                let name: Rc<str> = format!("{name}_{id}").into();
+                self.shared.called.push((id, name.clone(), program));
+                name
+            }
+        };
+        Ok(Some(Callee::Program(name)))
+    }
+
+    /// Result of a call.
     fn call(&mut self, id: Id, arguments: &[Id]) -> Result<Rc<[Value]>> {
         let function = self.module.functions.get(&id).ok_or_else(|| Error::Missing(self.module.name(id)))?;
-        let name = self.module.name(id);
-        if !self.options.hooks.contains(&name) {
+        let Some(callee) = self.callee(id, function)? else {
             let arguments = arguments.iter().map(|id| self.bound(*id)).collect::<Result<_>>()?;
             return self.inline(id, arguments);
-        }
+        };
         let mut from = vec![];
         let mut written = vec![];
         for (i, id) in arguments.iter().enumerate() {
@@ -536,7 +612,7 @@ impl<'m> Lowering<'m> {
             results.push(registers(self, pointer.kind)?);
         }
         let to = results.iter().flatten().map(|register| Target::from(*register)).collect();
-        self.push(Instruction::Hook { name: name.into(), from, to });
+        self.push(Instruction::Call { callee, from, to });
         let values = |registers: &Vec<Register>| registers.iter().copied().map(Value::Register).collect::<Vec<_>>();
         for (pointer, registers) in written.into_iter().zip(&results[1..]) {
             self.store(pointer, &values(registers))?;

@@ -41,7 +41,7 @@ impl Pointer {
     }
 }
 
-impl Lowering<'_> {
+impl Lowering<'_, '_> {
     /// Pointer to a part of what `pointer` points to.
     pub fn part_of(&mut self, mut pointer: Pointer, indices: &[Id]) -> Result<Pointer> {
         let local = matches!(pointer.root, Root::Local(_));
@@ -109,10 +109,10 @@ impl Lowering<'_> {
 
     /// Insists that the element of a buffer of columns is the invocation's own.
     fn own_element(&mut self, buffer: usize, index: Id) -> Result<()> {
-        if self.values(index)?[..] == [Value::Register(self.program.place[0])] {
+        if self.values(index)?[..] == [Value::Register(0)] && self.program.is_entry_point {
             return Ok(());
         }
-        let name = self.buffers[buffer].name.clone();
+        let name = self.shared.buffers[buffer].name.clone();
         Err(Error::Malformed(format!(
             "`{name}`, of which each invocation owns one element, is indexed by other than its place along x in {}",
             self.function_name()
@@ -123,9 +123,8 @@ impl Lowering<'_> {
     pub fn load(&mut self, pointer: Pointer) -> Result<Rc<[Value]>> {
         let kinds = self.module.scalars(pointer.kind)?;
         let variable = match pointer.root {
-            Root::Input(BuiltIn::GlobalInvocationId) if pointer.index.is_none() => {
-                let place = self.program.place.iter().skip(pointer.place as usize).take(kinds.len());
-                return Ok(place.map(|register| Value::Register(*register)).collect());
+            Root::Input(BuiltIn::GlobalInvocationId) if pointer.index.is_none() && self.program.is_entry_point => {
+                return Ok((pointer.place..).take(kinds.len()).map(Value::Register).collect());
             }
             Root::Input(built_in) => {
                 return Err(Error::Unsupported {

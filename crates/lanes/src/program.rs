@@ -123,12 +123,23 @@ pub enum Instruction {
     },
     /// Variables, then registers, that hold nothing yet.
     Begin(Vec<u32>),
-    /// Call of a function that is written by hand.
-    Hook {
-        name: Rc<str>,
+    /// Call of a function.
+    Call {
+        callee: Callee,
         from: Vec<Value>,
         to: Vec<Target>,
     },
+    /// Results of the function that the program is, for all lanes.
+    Return(Vec<Value>),
+}
+
+/// What is called.
+#[derive(Clone, Debug)]
+pub enum Callee {
+    /// A function that is written by hand.
+    Hook(Rc<str>),
+    /// Another program.
+    Program(Rc<str>),
 }
 
 /// Name of a scope.
@@ -184,14 +195,18 @@ pub struct Buffer {
 /// Variable of a function: the kinds of its words.
 pub type Local = Rc<[Kind]>;
 
-/// One entry point.
+/// One entry point, or a function that is called.
 #[derive(Debug, Default)]
 pub struct Program {
     pub registers: Vec<Held>,
     pub locals: Vec<Local>,
     pub labels: Label,
-    /// Registers of the invocation's place in the grid, which are assigned from outside.
-    pub place: [Register; 3],
+    /// Number of registers, the first ones, that are assigned from outside: those of an entry point are the invocation's
+    /// place in the grid.
+    pub parameters: u32,
+    /// Kinds of the function's results.
+    pub results: Vec<Kind>,
+    pub is_entry_point: bool,
     pub body: Vec<Node>,
 }
 
@@ -217,7 +232,7 @@ impl Instruction {
     pub fn operands(&self) -> Vec<Value> {
         let index = |index: &Option<Index>| index.map(|index| index.value);
         match self {
-            Self::Compute { from, .. } | Self::Hook { from, .. } => from.clone(),
+            Self::Compute { from, .. } | Self::Call { from, .. } | Self::Return(from) => from.clone(),
             Self::Load { index: i, .. } => index(i).into_iter().collect(),
             Self::Store { from, index: i, .. } => from.iter().map(|(value, _)| *value).chain(index(i)).collect(),
             Self::Read { place, .. } => index(&place.index).into_iter().collect(),
@@ -232,7 +247,7 @@ impl Instruction {
             index.as_mut().map(|index| &mut index.value)
         }
         match self {
-            Self::Compute { from, .. } | Self::Hook { from, .. } => from.iter_mut().collect(),
+            Self::Compute { from, .. } | Self::Call { from, .. } | Self::Return(from) => from.iter_mut().collect(),
             Self::Load { index, .. } => value(index).into_iter().collect(),
             Self::Store { from, index, .. } => from.iter_mut().map(|(v, _)| v).chain(value(index)).collect(),
             Self::Read { place, .. } => value(&mut place.index).into_iter().collect(),
@@ -246,8 +261,8 @@ impl Instruction {
         match self {
             Self::Compute { to, .. } | Self::Read { to, .. } => vec![to],
             Self::Load { to, .. } => to.iter_mut().map(|(target, _)| target).collect(),
-            Self::Hook { to, .. } => to.iter_mut().collect(),
-            Self::Store { .. } | Self::Write { .. } | Self::Begin(_) => vec![],
+            Self::Call { to, .. } => to.iter_mut().collect(),
+            Self::Store { .. } | Self::Write { .. } | Self::Begin(_) | Self::Return(_) => vec![],
         }
     }
 
@@ -256,8 +271,8 @@ impl Instruction {
         match self {
             Self::Compute { to, .. } | Self::Read { to, .. } => vec![*to],
             Self::Load { to, .. } => to.iter().map(|(target, _)| *target).collect(),
-            Self::Hook { to, .. } => to.clone(),
-            Self::Store { .. } | Self::Write { .. } | Self::Begin(_) => vec![],
+            Self::Call { to, .. } => to.clone(),
+            Self::Store { .. } | Self::Write { .. } | Self::Begin(_) | Self::Return(_) => vec![],
         }
     }
 }
