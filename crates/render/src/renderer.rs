@@ -1,6 +1,7 @@
 //! Renders in portions.
 
 use std::ops::Range;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
@@ -8,10 +9,11 @@ use std::time::{Duration, Instant};
 use raggio_kernels::{Feature, SceneBuffers};
 use raggio_scene::RenderSettings;
 
+use crate::checkpoint::{AdaptiveState, Checkpoint, CheckpointError, SamplingState};
 use crate::devices::adaptive::{Blocks, next_judgement};
 use crate::devices::device::{DeviceError, Session};
 use crate::devices::films::Films;
-use crate::pictures::film::{Film, Label, Portion};
+use crate::pictures::film::{Film, FilmError, Label, MergeError, Portion};
 use crate::translation::device_scene::DeviceScene;
 
 /// Adds samples to the film that a session shows, a portion at a time: each as long as the device has patience for.
@@ -26,6 +28,8 @@ pub struct Renderer {
     /// Numbers of the samples that each pixel is to have.
     samples: Range<u32>,
     samples_per_pass: Option<u32>,
+    /// Most samples that a pass adds to each pixel.
+    longest_pass: u32,
     /// Flag of who wants the portion under way to end at once.
     stop: Arc<AtomicBool>,
     courses: Films<Course>,
@@ -113,6 +117,7 @@ impl Renderer {
             height,
             samples,
             samples_per_pass: None,
+            longest_pass: u32::MAX,
             stop: Arc::default(),
             courses: Films::new(course),
             adaptive: None,
@@ -150,10 +155,14 @@ impl Renderer {
             return Ok(u32::MAX);
         };
         if let Some(film) = film {
-            adaptive.error = adaptive.blocks.judge(&film, adaptive.noise);
-            adaptive.active = adaptive.blocks.active_pixels(0..self.height);
+            let mut blocks = adaptive.blocks.clone();
+            let error = blocks.judge(&film, adaptive.noise);
+            // Only what the device knows counts: it may fail here, and be asked again.
+            self.session.rest(Some(&blocks))?;
+            adaptive.active = blocks.active_pixels(0..self.height);
             adaptive.judgement = next_judgement(samples);
-            self.session.rest(Some(&adaptive.blocks))?;
+            adaptive.error = error;
+            adaptive.blocks = blocks;
         }
         Ok(adaptive.judgement - samples)
     }
@@ -263,7 +272,7 @@ impl Renderer {
             course.slowest_before = std::mem::replace(&mut course.slowest, f64::INFINITY);
             // A pass adds as many samples as one portion can give to the whole image, and at least one.
             let affordable = (portion / pixels) as u32;
-            let most = unjudged.min(self.samples.end - course.pass.end);
+            let most = unjudged.min(self.samples.end - course.pass.end).min(self.longest_pass);
             let samples = self.samples_per_pass.unwrap_or(affordable).clamp(1, most);
             course.pass = course.pass.end..course.pass.end + samples;
             course.row = 0;
@@ -377,6 +386,99 @@ impl Renderer {
         let label = self.label();
         self.show(shown)?;
         Ok(film?.with_label(label))
+    }
+
+    /// Film of radiance as it is now and the state of its sampling, from which [`Renderer::resume`] goes on.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails.
+    pub(crate) fn checkpoint(&mut self) -> Result<Checkpoint, DeviceError> {
+        let shown = self.feature();
+        self.show(Feature::Radiance)?;
+        let film = self.session.film()?.with_label(self.label());
+        let state = self.sampling_state();
+        self.show(shown)?;
+        Ok(Checkpoint { film, state })
+    }
+
+    /// State of the sampling of the film that is shown.
+    pub(crate) fn sampling_state(&self) -> SamplingState {
+        let Course { pass, row, sampling, total, .. } = self.courses.shown();
+        let adaptive = self.adaptive.as_ref().map(|adaptive| AdaptiveState {
+            judgement: adaptive.judgement,
+            error: adaptive.error,
+            resting: adaptive.blocks.words().to_vec(),
+        });
+        SamplingState {
+            first: self.samples.start,
+            pass: pass.clone(),
+            row: *row,
+            seconds: sampling.as_secs_f64(),
+            total: *total,
+            adaptive,
+        }
+    }
+
+    /// Goes on from a checkpoint, found at `path`, of the same picture and of samples that are to be rendered, in place of
+    /// the first sample.
+    ///
+    /// # Errors
+    /// A [`CheckpointError`] when the checkpoint is of something else; a [`DeviceError`] in it when the device fails.
+    pub(crate) fn resume(&mut self, checkpoint: &Checkpoint, path: &Path) -> Result<(), CheckpointError> {
+        let Checkpoint { film, state } = checkpoint;
+        let other = |difference| CheckpointError::Other { path: path.into(), difference: Box::new(difference) };
+        let damaged = || FilmError::Damaged {
+            path: path.into(),
+            reason: "how its sampling goes on is not as its film says".into(),
+        };
+        let (now, then) = ([self.width, self.height], [film.width(), film.height()]);
+        if now != then {
+            return Err(other(MergeError::Size(now, then)));
+        }
+        let label = film.label().ok_or_else(damaged)?;
+        self.label().check_same_picture(label).map_err(other)?;
+        if state.first != self.samples.start || state.pass.end > self.samples.end {
+            let [found, wanted] = [state.first..state.pass.end, self.samples.clone()].map(|range| [range.start, range.end]);
+            return Err(CheckpointError::Samples { path: path.into(), found, wanted });
+        }
+        let adaptive = match (&self.adaptive, &state.adaptive) {
+            (None, None) => None,
+            (Some(Adaptive { noise, .. }), Some(AdaptiveState { judgement, error, resting })) => {
+                let blocks = Blocks::from_words(self.width, self.height, resting.clone()).ok_or_else(damaged)?;
+                let active = blocks.active_pixels(0..self.height);
+                Some(Adaptive { noise: *noise, blocks, active, judgement: *judgement, error: *error })
+            }
+            _ => return Err(damaged().into()),
+        };
+        self.show(Feature::Radiance)?;
+        let course = Course {
+            pass: state.pass.clone(),
+            row: state.row,
+            sampling: Duration::try_from_secs_f64(state.seconds).unwrap_or_default(),
+            total: state.total,
+            ..Course::new(self.height, self.samples.start, self.rate(), 0.0)
+        };
+        let before = std::mem::replace(self.courses.shown_mut(), course);
+        if self.label().portions() != label.portions() {
+            *self.courses.shown_mut() = before;
+            return Err(damaged().into());
+        }
+        self.session.set_film(film)?;
+        if let Some(adaptive) = &adaptive {
+            self.session.rest(Some(&adaptive.blocks))?;
+        }
+        self.adaptive = adaptive;
+        Ok(())
+    }
+
+    /// Makes passes add no more than `samples` samples, at least one, to each pixel.
+    pub(crate) fn set_longest_pass(&mut self, samples: u32) {
+        self.longest_pass = samples.max(1);
+    }
+
+    /// Makes the next portion as small as can be: the last was too much for the device.
+    pub(crate) fn begin_small(&mut self) {
+        self.courses.shown_mut().last = 0.0;
     }
 
     fn label(&self) -> Label {
