@@ -368,9 +368,9 @@ fn sample_range(text: &str) -> Result<SampleRange, String> {
         None => number(text).map(|end| SampleRange { start: 0, end }),
         Some((start, end)) => number(start).zip(number(end)).map(|(start, end)| SampleRange { start, end }),
     };
-    range.filter(|range| range.start < range.end).ok_or_else(|| {
-        format!("give a number from 1 to {}, or a range as 64..128: samples 64 to 127", i32::MAX)
-    })
+    range
+        .filter(|range| range.start < range.end)
+        .ok_or_else(|| format!("give a number from 1 to {}, or a range as 64..128: samples 64 to 127", i32::MAX))
 }
 
 /// Interval from one checkpoint to the next.

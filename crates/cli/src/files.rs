@@ -37,9 +37,12 @@ impl Files {
         }
         let beside = if wanted.denoise {
             let beside = pictures.iter().filter(|file| !file.is_film());
-            let beside = beside.map(|file| Ok(file.denoised()?.with_refuge(here()))).collect::<Result<Vec<_>, Failure>>()?;
+            let beside =
+                beside.map(|file| Ok(file.denoised()?.with_refuge(here()))).collect::<Result<Vec<_>, Failure>>()?;
             if beside.is_empty() {
-                return Err(Failure::Input("--denoise makes pictures, and a film is none: name a .png or .exr with -o".into()));
+                return Err(Failure::Input(
+                    "--denoise makes pictures, and a film is none: name a .png or .exr with -o".into(),
+                ));
             }
             beside
         } else {

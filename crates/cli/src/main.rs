@@ -37,6 +37,10 @@ fn main() -> ExitCode {
     }));
     #[cfg(unix)]
     survive_limits();
+    // For tests of what follows: makes one step of writing files fail.
+    if let Some(step) = std::env::var("RAGGIO_PRETEND_FILE_FAULT").ok().and_then(|step| step.parse().ok()) {
+        raggio_render::pretend_file_fault(step);
+    }
     match run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error @ Failure::Interrupted(_)) => error.exit_code(),

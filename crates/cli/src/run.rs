@@ -43,7 +43,9 @@ pub fn run(job: Job) -> Result<(), Failure> {
     scene.warnings.iter().for_each(|warning| warn(warning));
     if let Some(kept) = request.checkpoints.as_ref().filter(|kept| !kept.resume && kept.path.exists()) {
         let path = display_name(&kept.path);
-        warn(&format!("{path} is left of an earlier render: --resume goes on from it, and otherwise it will be replaced"));
+        warn(&format!(
+            "{path} is left of an earlier render: --resume goes on from it, and otherwise it will be replaced"
+        ));
     }
     raggio_render::check_memory(scene.render.width, scene.render.height)?;
     let device = ready(machine.quiet, || raggio_render::open(machine.device, machine.options(), warn))?;
@@ -109,7 +111,9 @@ fn tell_how_to_go_on(rendered: &Rendered, signal: Option<u8>, wanted: Option<&Pa
     let reason = signal.map(|signal| format!("stopped by {}: ", signals::name(signal))).unwrap_or_default();
     let place = if Some(&**path) == wanted { String::new() } else { format!("--checkpoint {} ", display_name(path)) };
     let path = display_name(path);
-    reporter.say(&format!("{reason}what there is is saved in {path}: the same command with {place}--resume goes on from it"));
+    reporter.say(&format!(
+        "{reason}what there is is saved in {path}: the same command with {place}--resume goes on from it"
+    ));
 }
 
 /// Saves the film of a render whose files cannot be written, and says where it is. Returns the failure.
@@ -148,12 +152,7 @@ fn ready<T>(quiet: bool, prepare: impl FnOnce() -> Result<T, DeviceError>) -> Re
 ///
 /// # Errors
 /// The last failure; those before it are told, and the other files are written nevertheless.
-pub fn write(
-    picture: &Picture,
-    files: &[ImageFile],
-    display: Display,
-    tell: &dyn Fn(&str),
-) -> Result<(), Failure> {
+pub fn write(picture: &Picture, files: &[ImageFile], display: Display, tell: &dyn Fn(&str)) -> Result<(), Failure> {
     let mut outcome = Ok(());
     for file in files {
         match picture.write(file, display) {

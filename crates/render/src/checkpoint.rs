@@ -72,7 +72,11 @@ pub enum CheckpointError {
         path: PathBuf,
     },
     /// A checkpoint of another picture.
-    #[error("cannot go on from {}: {}: render as it was rendered, or remove it to begin anew", display_name(path), reason(difference))]
+    #[error(
+        "cannot go on from {}: {}: render as it was rendered, or remove it to begin anew",
+        display_name(path),
+        reason(difference)
+    )]
     Other {
         /// Path of the checkpoint.
         path: PathBuf,

@@ -414,6 +414,7 @@ impl Renderer {
             pass: pass.clone(),
             row: *row,
             seconds: sampling.as_secs_f64(),
+            spent: sampling.as_secs_f64(),
             total: *total,
             adaptive,
         }
@@ -438,7 +439,8 @@ impl Renderer {
         let label = film.label().ok_or_else(damaged)?;
         self.label().check_same_picture(label).map_err(other)?;
         if state.first != self.samples.start || state.pass.end > self.samples.end {
-            let [found, wanted] = [state.first..state.pass.end, self.samples.clone()].map(|range| [range.start, range.end]);
+            let [found, wanted] =
+                [state.first..state.pass.end, self.samples.clone()].map(|range| [range.start, range.end]);
             return Err(CheckpointError::Samples { path: path.into(), found, wanted });
         }
         let adaptive = match (&self.adaptive, &state.adaptive) {

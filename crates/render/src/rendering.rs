@@ -37,6 +37,8 @@ pub struct Rendering {
     metadata: Metadata,
     keeper: Option<Keeper>,
     resumed: Option<PathBuf>,
+    /// Seconds that were spent before a checkpoint was written, and until now.
+    spent: f64,
     /// Warnings for the observer, who is not there yet.
     warnings: Vec<String>,
 }
@@ -112,14 +114,14 @@ impl Rendering {
         if let Some(Every::Samples(samples)) = request.checkpoints.as_ref().map(|kept| kept.every) {
             renderer.set_longest_pass(samples);
         }
-        let (mut resumed, mut warnings) = (None, vec![]);
+        let (mut resumed, mut spent, mut warnings) = (None, 0.0, vec![]);
         if let Some(keeper) = keeper.as_mut().filter(|_| request.checkpoints.as_ref().is_some_and(|kept| kept.resume)) {
             if let Some((path, checkpoint)) = keeper.find(&mut |warning| warnings.push(warning))? {
                 renderer.resume(&checkpoint, &path)?;
-                resumed = Some(path);
+                (resumed, spent) = (Some(path), checkpoint.state.spent);
             }
         }
-        Ok(Self { renderer, scene: device_scene, request, metadata, keeper, resumed, warnings })
+        Ok(Self { renderer, scene: device_scene, request, metadata, keeper, resumed, spent, warnings })
     }
 
     /// Path of the checkpoint that the render goes on from, if there is one.
@@ -159,10 +161,13 @@ impl Rendering {
     pub fn run(mut self, observer: &mut dyn Observer) -> Result<Rendered, DeviceError> {
         std::mem::take(&mut self.warnings).iter().for_each(|warning| observer.warn(warning));
         observer.begin(Phase::Sampling);
-        let mut failure = self.sample(observer).err();
+        let (is_done, mut failure) = match self.sample(observer) {
+            Ok(is_done) => (is_done, None),
+            Err(error) => (false, Some(error)),
+        };
         let progress = self.renderer.progress();
-        let finished = self.renderer.finished();
-        let (film, state, checkpoint) = match self.end(&progress, failure.is_some(), observer) {
+        let mut finished = self.renderer.finished();
+        let (film, state, checkpoint) = match self.end(&progress, is_done, failure.is_some(), observer) {
             Ok((film, state, checkpoint)) => (film, Some(state), checkpoint),
             // A lost device has usually lost the film with it: then its first failure is what to report, and the picture
             // is that of the last checkpoint.
@@ -171,6 +176,7 @@ impl Rendering {
                 let Some(keeper) = &self.keeper else { return Err(error) };
                 let Some(checkpoint) = keeper.newest() else { return Err(error) };
                 failure = Some(error);
+                finished = false;
                 (checkpoint.film, Some(checkpoint.state), Some(keeper.path().to_owned()))
             }
         };
@@ -193,21 +199,23 @@ impl Rendering {
         Ok(Rendered { picture, progress, finished, failure, checkpoint, shapes, triangles, keeper, state })
     }
 
-    fn sample(&mut self, observer: &mut dyn Observer) -> Result<(), DeviceError> {
+    /// Takes samples. Returns whether there are enough, in number or by the clock.
+    fn sample(&mut self, observer: &mut dyn Observer) -> Result<bool, DeviceError> {
         let start = Instant::now();
         // Whoever goes on has spent some of the time already.
-        let before = self.renderer.progress().seconds;
+        let before = self.spent;
         let limit = self.request.stop.time_limit.map_or(f64::INFINITY, f64::from);
         let mut is_second_try = false;
+        let mut is_done = true;
         if let Some(keeper) = &mut self.keeper {
             keeper.begin(self.renderer.progress().samples);
         }
         while !self.renderer.finished() {
-            let spent = before + start.elapsed().as_secs_f64();
-            if spent >= limit {
+            self.spent = before + start.elapsed().as_secs_f64();
+            if self.spent >= limit {
                 break;
             }
-            let mut progress = match self.renderer.advance_for((limit - spent).max(SHORTEST_PORTION)) {
+            let mut progress = match self.renderer.advance_for((limit - self.spent).max(SHORTEST_PORTION)) {
                 // Less of it may fit.
                 Err(error) if error.is_out_of_memory() && !is_second_try => {
                     is_second_try = true;
@@ -217,10 +225,11 @@ impl Rendering {
                 advanced => advanced?,
             };
             is_second_try = false;
-            let spent = before + start.elapsed().as_secs_f64();
-            progress.fraction = progress.fraction.max(spent / limit).min(1.0);
+            self.spent = before + start.elapsed().as_secs_f64();
+            progress.fraction = progress.fraction.max(self.spent / limit).min(1.0);
             let proceeds = observer.progress(&progress).is_continue() && !self.stop_flag().load(Ordering::Relaxed);
             if !proceeds {
+                is_done = self.renderer.finished();
                 break;
             }
             if !self.renderer.finished() && self.keeper.as_ref().is_some_and(|keeper| keeper.is_due(&progress)) {
@@ -230,7 +239,7 @@ impl Rendering {
         }
         // What follows is not to be stopped by who has stopped this.
         self.stop_flag().store(false, Ordering::Relaxed);
-        Ok(())
+        Ok(is_done)
     }
 
     /// Reads the film at the end of sampling, and keeps it in a checkpoint where there is to be one, until its files are
@@ -238,6 +247,7 @@ impl Rendering {
     fn end(
         &mut self,
         progress: &Progress,
+        is_done: bool,
         has_failed: bool,
         observer: &mut dyn Observer,
     ) -> Result<(Film, SamplingState, Option<PathBuf>), DeviceError> {
@@ -250,7 +260,8 @@ impl Rendering {
         let mut path = None;
         if self.keeper.as_ref().is_some_and(is_wanted) {
             path = self.save(&checkpoint, progress, observer);
-            if let (None, Some(keeper)) = (&path, &self.keeper) {
+            // Who is done writes files next, and saves the film elsewhere only if these cannot be written.
+            if let (None, Some(keeper)) = (&path, self.keeper.as_ref().filter(|_| !is_done)) {
                 path = keeper.save_elsewhere(&checkpoint, &refuges());
             }
         }
@@ -259,6 +270,7 @@ impl Rendering {
 
     fn checkpoint(&mut self) -> Result<Checkpoint, DeviceError> {
         let Checkpoint { film, state } = self.renderer.checkpoint()?;
+        let state = SamplingState { spent: self.spent, ..state };
         Ok(Checkpoint { film: film.with_notes(self.metadata.notes()), state })
     }
 

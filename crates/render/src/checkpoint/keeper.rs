@@ -78,7 +78,9 @@ impl Keeper {
                         None
                     }
                     Err(CheckpointError::Unreadable(FilmError::Damaged { reason, .. })) => {
-                        warn(format!("{damage}, and the one before it is damaged too ({reason}): the render begins anew"));
+                        warn(format!(
+                            "{damage}, and the one before it is damaged too ({reason}): the render begins anew"
+                        ));
                         None
                     }
                     Err(error) => return Err(error),

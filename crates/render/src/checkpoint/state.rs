@@ -4,8 +4,8 @@ use std::io;
 use std::ops::Range;
 use std::path::Path;
 
-use crate::pictures::film::{Film, FilmError, Note};
 use crate::pictures::file_faults::Sink;
+use crate::pictures::film::{Film, FilmError, Note};
 
 /// A film with the state of its sampling.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +26,8 @@ pub(crate) struct SamplingState {
     pub row: u32,
     /// Time of sampling so far.
     pub seconds: f64,
+    /// Time so far, with that between portions of work: what a time limit limits.
+    pub spent: f64,
     /// Number of samples in all pixels together.
     pub total: u64,
     pub adaptive: Option<AdaptiveState>,
@@ -65,10 +67,9 @@ impl Checkpoint {
             .filter(|state| state.row <= film.height());
         match state {
             Some(state) => Ok(Some(Self { film, state })),
-            None => Err(FilmError::Damaged {
-                path: path.into(),
-                reason: "how its sampling goes on cannot be read".into(),
-            }),
+            None => {
+                Err(FilmError::Damaged { path: path.into(), reason: "how its sampling goes on cannot be read".into() })
+            }
         }
     }
 }
@@ -80,6 +81,7 @@ impl SamplingState {
             bytes.extend(word.to_le_bytes());
         }
         bytes.extend(self.seconds.to_le_bytes());
+        bytes.extend(self.spent.to_le_bytes());
         bytes.extend(self.total.to_le_bytes());
         if let Some(AdaptiveState { judgement, error, resting }) = &self.adaptive {
             bytes.extend(judgement.to_le_bytes());
@@ -92,9 +94,10 @@ impl SamplingState {
     fn from_bytes(mut bytes: &[u8]) -> Option<Self> {
         let mut word = || Some(u32::from_le_bytes(take(&mut bytes)?));
         let (first, start, end, row) = (word()?, word()?, word()?, word()?);
-        let seconds = f64::from_le_bytes(take(&mut bytes)?);
+        let [seconds, spent] = [f64::from_le_bytes(take(&mut bytes)?), f64::from_le_bytes(take(&mut bytes)?)];
         let total = u64::from_le_bytes(take(&mut bytes)?);
-        let mut state = Self { first, pass: start..end, row, seconds: seconds.max(0.0), total, adaptive: None };
+        let [seconds, spent] = [seconds, spent].map(|time| time.max(0.0));
+        let mut state = Self { first, pass: start..end, row, seconds, spent, total, adaptive: None };
         if !bytes.is_empty() {
             let judgement = u32::from_le_bytes(take(&mut bytes)?);
             let error = f64::from_le_bytes(take(&mut bytes)?);
@@ -122,11 +125,12 @@ mod tests {
     #[test]
     fn states_come_back_as_they_were() {
         let adaptive = AdaptiveState { judgement: 96, error: f64::INFINITY, resting: vec![0, u32::MAX, 5] };
-        let plain = SamplingState { first: 3, pass: 64..96, row: 7, seconds: 1.5, total: 1 << 40, adaptive: None };
+        let plain =
+            SamplingState { first: 3, pass: 64..96, row: 7, seconds: 1.5, spent: 2.0, total: 1 << 40, adaptive: None };
         for state in [plain.clone(), SamplingState { adaptive: Some(adaptive), ..plain }] {
             let bytes = state.to_bytes();
             assert_eq!(SamplingState::from_bytes(&bytes), Some(state.clone()));
-            for length in (0..bytes.len()).filter(|length| *length < 32 || length % 4 != 0) {
+            for length in (0..bytes.len()).filter(|length| *length < 40 || length % 4 != 0) {
                 assert_eq!(SamplingState::from_bytes(&bytes[..length]), None, "{length} bytes of {state:?}");
             }
         }

@@ -45,13 +45,8 @@ impl Metadata {
         let view = View { camera: &scene.camera, settings: &scene.render };
         let camera_from_world = view.camera_from_world();
         let RenderSettings { max_depth, seed, integrator, sampler, filter, .. } = &scene.render;
-        let values = [
-            max_depth.to_string(),
-            seed.to_string(),
-            integrator.to_string(),
-            sampler.to_string(),
-            filter.to_string(),
-        ];
+        let values =
+            [max_depth.to_string(), seed.to_string(), integrator.to_string(), sampler.to_string(), filter.to_string()];
         Self {
             scene: name.into(),
             samples: scene.render.samples,

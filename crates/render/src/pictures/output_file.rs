@@ -156,11 +156,7 @@ pub(crate) fn appended(path: &Path, ending: &str) -> PathBuf {
 
 /// Writes to `place`, whole or not at all, what `write` writes; the file that was there becomes `kept`. The temporary name
 /// is always the same, `PLACE.part`, so that what a killed program leaves is replaced by the next.
-pub(crate) fn write_keeping(
-    place: &Path,
-    kept: &Path,
-    write: &dyn Fn(&mut Sink) -> io::Result<()>,
-) -> io::Result<()> {
+pub(crate) fn write_keeping(place: &Path, kept: &Path, write: &dyn Fn(&mut Sink) -> io::Result<()>) -> io::Result<()> {
     place.parent().map_or(Ok(()), std::fs::create_dir_all)?;
     let mut temporary = Temporary::at(appended(place, ".part"))?;
     write(&mut temporary.sink()?)?;

@@ -78,7 +78,8 @@ pub enum MergeError {
 impl Label {
     /// Label of a film of the scene with this hash, sampled with `settings` as keys and values.
     pub(crate) fn new(scene: [u8; 32], settings: Vec<(String, String)>, portions: Vec<Portion>) -> Self {
-        let mut label = Self { version: env!("CARGO_PKG_VERSION").into(), scene, settings, portions: vec![], notes: vec![] };
+        let mut label =
+            Self { version: env!("CARGO_PKG_VERSION").into(), scene, settings, portions: vec![], notes: vec![] };
         portions.into_iter().for_each(|portion| label.add(portion));
         label
     }
