@@ -533,10 +533,16 @@ fn settings(settings: &RenderSettings, noise: Option<f64>) -> Vec<(String, Strin
         ("max_depth", max_depth.to_string()),
         ("clamp", optional(clamp.map(|clamp| clamp.to_string()))),
         ("surface_offset", surface_offset.to_string()),
-        ("noise", optional(noise.map(|noise| noise.to_string()))),
+        ("noise", optional(noise.map(short))),
     ]
     .map(|(key, value)| (key.to_owned(), value))
     .into()
+}
+
+/// A number as it was written: most are of 32 bits first, and have fewer digits so.
+fn short(number: f64) -> String {
+    let narrow = number as f32;
+    if f64::from(narrow) == number { narrow.to_string() } else { number.to_string() }
 }
 
 impl Course {
