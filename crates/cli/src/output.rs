@@ -55,7 +55,12 @@ pub fn say(line: impl Display) {
         Some((kind @ ("warning" | "error"), words)) => (kind, words),
         _ => ("message", &*line),
     };
-    let _ = writeln!(stderr(), "{}", json!({ kind: words }));
+    say_json(&json!({ kind: words }));
+}
+
+/// Prints an object of JSON on standard error, as a line.
+pub fn say_json(object: &serde_json::Value) {
+    let _ = writeln!(stderr(), "{object}");
 }
 
 /// Prints a line for the program that runs this one, on standard output and as Open Job Description has it.

@@ -10,7 +10,7 @@ use raggio_render::{Film, Phase, Progress, UNLIMITED_SAMPLES};
 use raggio_scene::counted;
 use serde_json::json;
 
-use crate::output::{Language, say, say_openjd, speak};
+use crate::output::{Language, say, say_json, say_openjd, speak};
 
 choice! {
     /// Way of telling how a render goes.
@@ -148,7 +148,7 @@ impl Reporter {
             Style::Json { next } => {
                 if now >= *next {
                     *next = now + PAUSE;
-                    self.say_json(self.phase.name(), progress);
+                    self.say_figures(self.phase.name(), progress);
                 }
             }
             Style::OpenJd { next } => {
@@ -162,7 +162,7 @@ impl Reporter {
     }
 
     /// Prints a line of figures as JSON.
-    fn say_json(&self, phase: &str, progress: &Progress) {
+    fn say_figures(&self, phase: &str, progress: &Progress) {
         let known = |number: f64| if number.is_finite() { Some(number) } else { None };
         let line = json!({
             "phase": phase,
@@ -174,8 +174,7 @@ impl Reporter {
             "noise": progress.noise.and_then(|noise| known(noise.error)),
             "checkpoint": self.checkpoint.as_ref().map(|path| path.to_string_lossy()),
         });
-        use std::io::Write;
-        let _ = writeln!(std::io::stderr(), "{line}");
+        say_json(&line);
     }
 
     /// Takes the bar away, for sampling is over.
@@ -190,7 +189,7 @@ impl Reporter {
         self.checkpoint = None;
         match (&self.style, &self.last) {
             (Style::Json { .. }, Some(last)) => {
-                self.say_json("done", &Progress { fraction: 1.0, ..*last });
+                self.say_figures("done", &Progress { fraction: 1.0, ..*last });
             }
             (Style::OpenJd { .. }, _) => {
                 say_openjd("progress", "100");

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use raggio_render::{Aov, Checkpoints, Choice, Display, OutputFile, PngBits, RenderRequest, Stop};
+use raggio_render::{Aov, Checkpoints, Choice, Display, OutputFile, PictureFormat, PngBits, RenderRequest, Stop};
 use raggio_scene::{Assets, Integrator, Scene};
 
 use crate::args::{CheckpointArguments, DemoArguments, RenderArguments};
@@ -35,8 +35,7 @@ pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
         name: arguments.scene.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         layers: Aov::ALL.iter().copied().filter(|aov| arguments.aov.iter().any(|named| named.contains(aov))).collect(),
         denoise: arguments.denoise,
-        // Whatever becomes of its files, the film can be saved.
-        label: true,
+        label: outputs.iter().any(|path| PictureFormat::of_path(path) == Some(PictureFormat::Film)),
         stop: Stop { noise: arguments.stop.noise, time_limit: arguments.stop.time_limit, ..Stop::default() },
         ..RenderRequest::default()
     };
@@ -63,7 +62,11 @@ pub fn demo(arguments: &DemoArguments) -> Result<(), Failure> {
     let start = Instant::now();
     let mut scene = Scene::parse(SHOWCASE, "showcase.toml")?;
     scene.render.integrator = Integrator::Path;
-    let request = RenderRequest { name: "showcase".into(), label: true, ..RenderRequest::default() };
+    let request = RenderRequest {
+        name: "showcase".into(),
+        label: PictureFormat::of_path(&arguments.output) == Some(PictureFormat::Film),
+        ..RenderRequest::default()
+    };
     let wanted = Wanted {
         pictures: std::slice::from_ref(&arguments.output),
         png_bits: PngBits::Eight,

@@ -1,20 +1,24 @@
 //! Renders in portions.
 
+mod identity;
+mod resume;
+
 use std::ops::Range;
-use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-use raggio_kernels::{Feature, SceneBuffers};
-use raggio_scene::RenderSettings;
+use raggio_kernels::Feature;
 
-use crate::checkpoint::{AdaptiveState, Checkpoint, CheckpointError, SamplingState};
 use crate::devices::adaptive::{Blocks, next_judgement};
 use crate::devices::device::{DeviceError, Session};
 use crate::devices::films::Films;
-use crate::pictures::film::{Film, FilmError, Label, MergeError, Portion};
+use crate::pictures::film::{Film, Label, Portion};
 use crate::translation::device_scene::DeviceScene;
+
+use identity::{Identity, settings};
+
+pub(crate) use identity::LateLabel;
 
 /// Adds samples to the film that a session shows, a portion at a time: each as long as the device has patience for.
 ///
@@ -34,14 +38,7 @@ pub struct Renderer {
     stop: Arc<AtomicBool>,
     courses: Films<Course>,
     adaptive: Option<Adaptive>,
-    identity: Identity,
-}
-
-/// Identity of a scene in the labels of its films. Hashing a large scene takes a while, and not all films need a label.
-struct Identity {
-    buffers: SceneBuffers,
-    settings: RenderSettings,
-    hash: OnceLock<[u8; 32]>,
+    identity: Arc<Identity>,
 }
 
 /// Sampling until the error is small enough, for the film of radiance.
@@ -121,7 +118,7 @@ impl Renderer {
             stop: Arc::default(),
             courses: Films::new(course),
             adaptive: None,
-            identity: Identity::new(scene),
+            identity: Arc::new(Identity::new(scene)),
         }
     }
 
@@ -195,7 +192,7 @@ impl Renderer {
     pub fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
         self.session.restart(scene)?;
         (self.width, self.height) = (scene.work.width, scene.work.height);
-        self.identity = Identity::new(scene);
+        self.identity = Arc::new(Identity::new(scene));
         if let Some(noise) = self.adaptive.as_ref().map(|adaptive| adaptive.noise) {
             self.set_noise(noise);
             self.session.rest(None)?;
@@ -388,91 +385,6 @@ impl Renderer {
         Ok(film?.with_label(label))
     }
 
-    /// Film of radiance as it is now and the state of its sampling, from which [`Renderer::resume`] goes on.
-    ///
-    /// # Errors
-    /// A [`DeviceError`] when the device fails.
-    pub(crate) fn checkpoint(&mut self) -> Result<Checkpoint, DeviceError> {
-        let shown = self.feature();
-        self.show(Feature::Radiance)?;
-        let film = self.session.film()?.with_label(self.label());
-        let state = self.sampling_state();
-        self.show(shown)?;
-        Ok(Checkpoint { film, state })
-    }
-
-    /// State of the sampling of the film that is shown.
-    pub(crate) fn sampling_state(&self) -> SamplingState {
-        let Course { pass, row, sampling, total, .. } = self.courses.shown();
-        let adaptive = self.adaptive.as_ref().map(|adaptive| AdaptiveState {
-            judgement: adaptive.judgement,
-            error: adaptive.error,
-            resting: adaptive.blocks.words().to_vec(),
-        });
-        SamplingState {
-            first: self.samples.start,
-            pass: pass.clone(),
-            row: *row,
-            seconds: sampling.as_secs_f64(),
-            spent: sampling.as_secs_f64(),
-            total: *total,
-            adaptive,
-        }
-    }
-
-    /// Goes on from a checkpoint, found at `path`, of the same picture and of samples that are to be rendered, in place of
-    /// the first sample.
-    ///
-    /// # Errors
-    /// A [`CheckpointError`] when the checkpoint is of something else; a [`DeviceError`] in it when the device fails.
-    pub(crate) fn resume(&mut self, checkpoint: &Checkpoint, path: &Path) -> Result<(), CheckpointError> {
-        let Checkpoint { film, state } = checkpoint;
-        let other = |difference| CheckpointError::Other { path: path.into(), difference: Box::new(difference) };
-        let damaged = || FilmError::Damaged {
-            path: path.into(),
-            reason: "how its sampling goes on is not as its film says".into(),
-        };
-        let (now, then) = ([self.width, self.height], [film.width(), film.height()]);
-        if now != then {
-            return Err(other(MergeError::Size(now, then)));
-        }
-        let label = film.label().ok_or_else(damaged)?;
-        self.label().check_same_picture(label).map_err(other)?;
-        if state.first != self.samples.start || state.pass.end > self.samples.end {
-            let [found, wanted] =
-                [state.first..state.pass.end, self.samples.clone()].map(|range| [range.start, range.end]);
-            return Err(CheckpointError::Samples { path: path.into(), found, wanted });
-        }
-        let adaptive = match (&self.adaptive, &state.adaptive) {
-            (None, None) => None,
-            (Some(Adaptive { noise, .. }), Some(AdaptiveState { judgement, error, resting })) => {
-                let blocks = Blocks::from_words(self.width, self.height, resting.clone()).ok_or_else(damaged)?;
-                let active = blocks.active_pixels(0..self.height);
-                Some(Adaptive { noise: *noise, blocks, active, judgement: *judgement, error: *error })
-            }
-            _ => return Err(damaged().into()),
-        };
-        self.show(Feature::Radiance)?;
-        let course = Course {
-            pass: state.pass.clone(),
-            row: state.row,
-            sampling: Duration::try_from_secs_f64(state.seconds).unwrap_or_default(),
-            total: state.total,
-            ..Course::new(self.height, self.samples.start, self.rate(), 0.0)
-        };
-        let before = std::mem::replace(self.courses.shown_mut(), course);
-        if self.label().portions() != label.portions() {
-            *self.courses.shown_mut() = before;
-            return Err(damaged().into());
-        }
-        self.session.set_film(film)?;
-        if let Some(adaptive) = &adaptive {
-            self.session.rest(Some(&adaptive.blocks))?;
-        }
-        self.adaptive = adaptive;
-        Ok(())
-    }
-
     /// Makes passes add no more than `samples` samples, at least one, to each pixel.
     pub(crate) fn set_longest_pass(&mut self, samples: u32) {
         self.longest_pass = samples.max(1);
@@ -484,65 +396,18 @@ impl Renderer {
     }
 
     fn label(&self) -> Label {
+        self.late_label().make()
+    }
+
+    /// Label of the film of radiance, which has to be shown, as it is now.
+    pub(crate) fn late_label(&self) -> LateLabel {
         let Course { pass, row, .. } = self.courses.shown();
         let whole = Portion { samples: self.samples.start..pass.start, rows: 0..self.height };
         let unfinished = Portion { samples: pass.clone(), rows: 0..*row };
         let noise = self.adaptive.as_ref().map(|adaptive| adaptive.noise);
-        Label::new(self.identity.hash(), settings(&self.identity.settings, noise), vec![whole, unfinished])
+        let settings = settings(self.identity.settings(), noise);
+        LateLabel::new(self.identity.clone(), settings, vec![whole, unfinished])
     }
-}
-
-impl Identity {
-    fn new(scene: &DeviceScene) -> Self {
-        Self { buffers: scene.buffers.clone(), settings: scene.settings.clone(), hash: OnceLock::new() }
-    }
-
-    /// Hash of all that kernels read of the scene. The filter's table is a setting.
-    fn hash(&self) -> [u8; 32] {
-        *self.hash.get_or_init(|| {
-            let mut hasher = blake3::Hasher::new();
-            for list in self.buffers.bytes().iter().filter(|list| list.name != "filter_table") {
-                // Lengths keep lists apart.
-                hasher.update(list.name.as_bytes()).update(&(list.bytes.len() as u64).to_le_bytes()).update(list.bytes);
-            }
-            *hasher.finalize().as_bytes()
-        })
-    }
-}
-
-/// Settings that decide the values of samples, as a label has them.
-fn settings(settings: &RenderSettings, noise: Option<f64>) -> Vec<(String, String)> {
-    let RenderSettings {
-        integrator,
-        sampler,
-        seed,
-        filter,
-        max_depth,
-        clamp,
-        surface_offset,
-        width: _,
-        height: _,
-        samples: _,
-    } = settings;
-    let optional = |value: Option<String>| value.unwrap_or_else(|| "none".into());
-    [
-        ("integrator", integrator.to_string()),
-        ("sampler", sampler.to_string()),
-        ("seed", seed.to_string()),
-        ("filter", filter.to_string()),
-        ("max_depth", max_depth.to_string()),
-        ("clamp", optional(clamp.map(|clamp| clamp.to_string()))),
-        ("surface_offset", surface_offset.to_string()),
-        ("noise", optional(noise.map(short))),
-    ]
-    .map(|(key, value)| (key.to_owned(), value))
-    .into()
-}
-
-/// A number as it was written: most are of 32 bits first, and have fewer digits so.
-fn short(number: f64) -> String {
-    let narrow = number as f32;
-    if f64::from(narrow) == number { narrow.to_string() } else { number.to_string() }
 }
 
 impl Course {

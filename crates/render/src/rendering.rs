@@ -19,7 +19,7 @@ use crate::pictures::image_file::Extras;
 use crate::pictures::metadata::Metadata;
 use crate::pictures::output_file::write_free;
 use crate::pictures::picture::{Guides, Picture};
-use crate::renderer::{Progress, Renderer};
+use crate::renderer::{LateLabel, Progress, Renderer};
 use crate::request::{Observer, Phase, RenderRequest};
 use crate::translation::device_scene::DeviceScene;
 use crate::translation::error::TranslationError;
@@ -62,7 +62,8 @@ pub struct Rendered {
     /// Number of triangles in the scene, those of each mesh once.
     pub triangles: usize,
     keeper: Option<Keeper>,
-    state: Option<SamplingState>,
+    /// Label and state of the film, for who needs them after all.
+    unsaved: Option<(LateLabel, SamplingState)>,
 }
 
 /// Reasons why a render cannot begin.
@@ -167,8 +168,8 @@ impl Rendering {
         };
         let progress = self.renderer.progress();
         let mut finished = self.renderer.finished();
-        let (film, state, checkpoint) = match self.end(&progress, is_done, failure.is_some(), observer) {
-            Ok((film, state, checkpoint)) => (film, Some(state), checkpoint),
+        let (film, unsaved, checkpoint) = match self.end(&progress, is_done, failure.is_some(), observer) {
+            Ok((film, checkpoint)) => (film, Some((self.renderer.late_label(), self.sampling_state())), checkpoint),
             // A lost device has usually lost the film with it: then its first failure is what to report, and the picture
             // is that of the last checkpoint.
             Err(error) => {
@@ -177,7 +178,7 @@ impl Rendering {
                 let Some(checkpoint) = keeper.newest() else { return Err(error) };
                 failure = Some(error);
                 finished = false;
-                (checkpoint.film, Some(checkpoint.state), Some(keeper.path().to_owned()))
+                (checkpoint.film, None, Some(keeper.path().to_owned()))
             }
         };
         if film.rejected() > 0 {
@@ -196,7 +197,7 @@ impl Rendering {
         let (shapes, triangles) = (self.scene.shapes(), self.scene.triangles());
         let keeper = self.keeper.take();
         let picture = self.picture(film, features);
-        Ok(Rendered { picture, progress, finished, failure, checkpoint, shapes, triangles, keeper, state })
+        Ok(Rendered { picture, progress, finished, failure, checkpoint, shapes, triangles, keeper, unsaved })
     }
 
     /// Takes samples. Returns whether there are enough, in number or by the clock.
@@ -250,11 +251,10 @@ impl Rendering {
         is_done: bool,
         has_failed: bool,
         observer: &mut dyn Observer,
-    ) -> Result<(Film, SamplingState, Option<PathBuf>), DeviceError> {
+    ) -> Result<(Film, Option<PathBuf>), DeviceError> {
         let is_wanted = |keeper: &Keeper| has_failed || keeper.owns() || keeper.is_worth_it(progress);
         if !self.keeper.as_ref().is_some_and(is_wanted) && !self.request.label {
-            let film = self.renderer.film()?;
-            return Ok((film, self.renderer.sampling_state(), None));
+            return Ok((self.renderer.film()?, None));
         }
         let checkpoint = self.checkpoint()?;
         let mut path = None;
@@ -265,13 +265,17 @@ impl Rendering {
                 path = keeper.save_elsewhere(&checkpoint, &refuges());
             }
         }
-        Ok((checkpoint.film, checkpoint.state, path))
+        Ok((checkpoint.film, path))
     }
 
     fn checkpoint(&mut self) -> Result<Checkpoint, DeviceError> {
-        let Checkpoint { film, state } = self.renderer.checkpoint()?;
-        let state = SamplingState { spent: self.spent, ..state };
-        Ok(Checkpoint { film: film.with_notes(self.metadata.notes()), state })
+        let film = self.renderer.labelled_film()?.with_notes(self.metadata.notes());
+        Ok(Checkpoint { film, state: self.sampling_state() })
+    }
+
+    /// State of the sampling of radiance, whose film is shown but for while layers are rendered.
+    fn sampling_state(&self) -> SamplingState {
+        SamplingState { spent: self.spent, ..self.renderer.sampling_state() }
     }
 
     /// Writes a checkpoint, and returns its path if it could be written.
@@ -326,16 +330,19 @@ impl Rendered {
     /// or in that of temporary files. A render goes on from it as from a checkpoint. Returns its path.
     ///
     /// # Errors
-    /// The system's error when neither folder takes it; an error too for a film without a label.
+    /// The system's error when neither folder takes it.
     pub fn rescue(&self, name: &str) -> io::Result<PathBuf> {
         if let Some(path) = &self.checkpoint {
             return Ok(path.clone());
         }
-        let state = self.state.clone().ok_or(io::ErrorKind::NotFound)?;
+        let (label, state) = self.unsaved.as_ref().ok_or(io::ErrorKind::NotFound)?;
+        let notes = self.picture.extras.metadata.as_ref().map(Metadata::notes).unwrap_or_default();
+        let (label, state) = (label.make().with_notes(notes), state.note());
         let mut outcome = Err(io::ErrorKind::NotFound.into());
         for folder in refuges() {
             let name = Path::new(name).with_extension("film");
-            outcome = write_free(&folder, &name, &|to| Checkpoint::write(&self.picture.film, &state, to));
+            let state = std::slice::from_ref(&state);
+            outcome = write_free(&folder, &name, &|to| self.picture.film.write_as(&label, to, state));
             if outcome.is_ok() {
                 break;
             }

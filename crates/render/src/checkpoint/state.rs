@@ -47,12 +47,7 @@ pub(crate) struct AdaptiveState {
 impl Checkpoint {
     /// Writes the film with its state to an open file.
     pub fn write_to(&self, to: &mut Sink) -> io::Result<()> {
-        Self::write(&self.film, &self.state, to)
-    }
-
-    /// Writes a film with a state to an open file.
-    pub fn write(film: &Film, state: &SamplingState, to: &mut Sink) -> io::Result<()> {
-        film.write_to(to, &[Note::new(Note::SAMPLING, state.to_bytes())])
+        self.film.write_to(to, &[self.state.note()])
     }
 
     /// Reads a checkpoint; `None` for a film that is none.
@@ -75,6 +70,11 @@ impl Checkpoint {
 }
 
 impl SamplingState {
+    /// Note by which a film is a checkpoint.
+    pub fn note(&self) -> Note {
+        Note::new(Note::SAMPLING, self.to_bytes())
+    }
+
     fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = vec![];
         for word in [self.first, self.pass.start, self.pass.end, self.row] {

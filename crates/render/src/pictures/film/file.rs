@@ -126,6 +126,11 @@ impl Film {
     /// Writes the film as [`Film::write`] does, with `more` notes, to a file that is open.
     pub(crate) fn write_to(&self, to: &mut impl Write, more: &[Note]) -> io::Result<()> {
         let label = self.label().ok_or_else(|| io::Error::other(FilmError::Unlabelled))?;
+        self.write_as(label, to, more)
+    }
+
+    /// Writes the film with another label than its own to a file that is open.
+    pub(crate) fn write_as(&self, label: &Label, to: &mut impl Write, more: &[Note]) -> io::Result<()> {
         let mut to = Hashing { inner: to, hasher: blake3::Hasher::new() };
         to.write_all(&header(self, label, more))?;
         // Pixels are words without padding; on machines with the other byte order they are turned.
