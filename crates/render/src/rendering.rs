@@ -116,11 +116,14 @@ impl Rendering {
             renderer.set_longest_pass(samples);
         }
         let (mut resumed, mut spent, mut warnings) = (None, 0.0, vec![]);
-        if let Some(keeper) = keeper.as_mut().filter(|_| request.checkpoints.as_ref().is_some_and(|kept| kept.resume)) {
-            if let Some((path, checkpoint)) = keeper.find(&mut |warning| warnings.push(warning))? {
-                renderer.resume(&checkpoint, &path)?;
-                (resumed, spent) = (Some(path), checkpoint.state.spent);
-            }
+        let resumes = request.checkpoints.as_ref().is_some_and(|kept| kept.resume);
+        let found = match keeper.as_mut().filter(|_| resumes) {
+            Some(keeper) => keeper.find(&mut |warning| warnings.push(warning))?,
+            None => None,
+        };
+        if let Some((path, checkpoint)) = found {
+            renderer.resume(&checkpoint, &path)?;
+            (resumed, spent) = (Some(path), checkpoint.state.spent);
         }
         Ok(Self { renderer, scene: device_scene, request, metadata, keeper, resumed, spent, warnings })
     }
