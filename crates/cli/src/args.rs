@@ -3,15 +3,22 @@ use std::str::FromStr;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, UnknownArgumentValueParser};
 use clap::{Args, Parser, Subcommand};
-use raggio_render::{Aov, Choice, CpuOptions, DeviceChoice, OpenOptions, PictureFormat, PngBits, ToneMapper, endings};
+use raggio_render::{
+    Aov, Choice, CpuOptions, DeviceChoice, Every, OpenOptions, PictureFormat, PngBits, ToneMapper, endings,
+};
 use raggio_scene::{AssetOptions, Filter, Integrator, ModelFormat, Sampler};
+
+use crate::progress::ProgressStyle;
 
 const EXIT_STATUSES: &str = "\
 Exit status:
   0    done
-  2    the arguments, the scene or a file to write are wrong
+  2    the arguments, the scene, a film or a file to write are wrong
   3    the device has failed, or raggio has a fault of its own
-  130  interrupted (Ctrl-C); the picture of what there was by then is written";
+  4    a file could not be written in its place; the film is saved, and the last lines say where
+  129  stopped by SIGHUP,
+  130  interrupted (Ctrl-C, SIGINT), or
+  143  stopped by SIGTERM: the picture of what there was by then is written";
 
 const BENCH_HELP: &str = "\
 The score of a scene is its samples a second beside those of raggio of 2026-11-23 on two cores of a Zen 4, which are 100; \
@@ -30,6 +37,9 @@ pub enum Command {
     /// Render a scene to image files
     #[command(after_help = EXIT_STATUSES)]
     Render(RenderArguments),
+    /// Add up films of one scene, and make pictures of them
+    #[command(after_help = EXIT_STATUSES)]
+    Merge(MergeArguments),
     #[cfg(feature = "window")]
     /// Open a scene in a window and fly through it while the picture converges
     View(ViewArguments),
@@ -95,6 +105,18 @@ pub struct RenderArguments {
     /// Write figures of the render to this file, as JSON
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
+    #[command(flatten)]
+    pub checkpoints: CheckpointArguments,
+    /// Way of telling how the render goes
+    #[arg(long, value_name = "STYLE", value_parser = one_of::<ProgressStyle>(), default_value_t = ProgressStyle::Auto)]
+    pub progress: ProgressStyle,
+    #[command(flatten)]
+    pub look: LookArguments,
+}
+
+/// Colours and bits of PNGs.
+#[derive(Args)]
+pub struct LookArguments {
     /// Brighten (or darken) PNGs by this many stops
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
     pub exposure: f32,
@@ -104,6 +126,42 @@ pub struct RenderArguments {
     /// Bits of each channel of PNGs
     #[arg(long, value_name = "BITS", value_parser = one_of::<PngBits>(), default_value_t = PngBits::Eight)]
     pub png_bits: PngBits,
+}
+
+/// Films that a render goes on from after whatever has ended it early.
+#[derive(Args)]
+pub struct CheckpointArguments {
+    /// Keep what there is in this film while rendering, and the one before as FILE.previous; both go when all is done
+    /// [default: OUTPUT.checkpoint, if the render takes over a minute]
+    #[arg(long, value_name = "FILE")]
+    pub checkpoint: Option<PathBuf>,
+    /// Time or samples of each pixel from one checkpoint to the next: 60s, 5min, 2h, or 64samples [default: 60s]
+    #[arg(long, value_name = "INTERVAL", value_parser = interval)]
+    pub checkpoint_every: Option<Every>,
+    /// Keep no checkpoints, however long it takes
+    #[arg(long, conflicts_with_all = ["checkpoint", "checkpoint_every", "resume"])]
+    pub no_checkpoint: bool,
+    /// Go on from the checkpoint, or begin where there is none
+    #[arg(long)]
+    pub resume: bool,
+}
+
+#[derive(Args)]
+pub struct MergeArguments {
+    /// Films of one scene and one set of settings, each of other samples; checkpoints are films too
+    #[arg(required = true, value_name = "FILM")]
+    pub films: Vec<PathBuf>,
+    #[arg(short, long = "output", value_name = "FILE", required = true, help = merged_help())]
+    pub output: Vec<PathBuf>,
+    /// Write each picture without its noise too, as NAME.denoised.png or .exr; films hold no layers that would keep its
+    /// edges, which `raggio render --denoise` has
+    #[arg(long)]
+    pub denoise: bool,
+    #[command(flatten)]
+    pub look: LookArguments,
+    /// Say nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 /// End of sampling before all samples are there. Without --samples, the scene's number does not count then.
@@ -240,9 +298,9 @@ fn open_options(threads: Option<u32>) -> OpenOptions {
 /// Keys of the scene's [render] that the command line overrides.
 #[derive(Args)]
 pub struct Overrides {
-    /// Samples per pixel
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i32::MAX as i64))]
-    pub samples: Option<u32>,
+    /// Samples per pixel; A..B takes those from A to B-1 alone, whose film adds up with those of other ranges
+    #[arg(long, value_name = "N|A..B", value_parser = sample_range)]
+    pub samples: Option<SampleRange>,
     /// Size of the image in pixels; keeps the vertical field of view
     #[arg(long, value_name = "WxH")]
     pub size: Option<Size>,
@@ -297,6 +355,42 @@ impl FromStr for Size {
     }
 }
 
+/// Numbers of the samples of each pixel: the first, and the one after the last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SampleRange {
+    pub start: u32,
+    pub end: u32,
+}
+
+fn sample_range(text: &str) -> Result<SampleRange, String> {
+    let number = |text: &str| text.parse().ok().filter(|n| *n <= i32::MAX as u32);
+    let range = match text.split_once("..") {
+        None => number(text).map(|end| SampleRange { start: 0, end }),
+        Some((start, end)) => number(start).zip(number(end)).map(|(start, end)| SampleRange { start, end }),
+    };
+    range
+        .filter(|range| range.start < range.end)
+        .ok_or_else(|| format!("give a number from 1 to {}, or a range as 64..128: samples 64 to 127", i32::MAX))
+}
+
+/// Interval from one checkpoint to the next.
+fn interval(text: &str) -> Result<Every, String> {
+    let unit = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let (number, unit) = (text[..unit].trim(), &text[unit..]);
+    let seconds = |factor: f64| {
+        let number = number.parse::<f64>().ok().map(|number| factor * number);
+        number.filter(|seconds| (0.001..=1e9).contains(seconds)).map(Every::Seconds)
+    };
+    let every = match unit {
+        "s" => seconds(1.0),
+        "min" => seconds(60.0),
+        "h" => seconds(3600.0),
+        "samples" | "sample" => number.parse().ok().filter(|count| *count > 0).map(Every::Samples),
+        _ => None,
+    };
+    every.ok_or_else(|| "give a time (60s, 5min, 2h) or a number of samples (64samples)".into())
+}
+
 #[cfg(feature = "window")]
 fn scale(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|scale| (0.25..=8.0).contains(scale)).ok_or_else(|| "give a number from 0.25 to 8".into())
@@ -347,5 +441,9 @@ fn scene_help(more: &str) -> String {
 }
 
 fn output_help() -> String {
-    format!("Image to write, {}; may be given several times [default: NAME.png]", PictureFormat::listed())
+    format!("File to write, {}; may be given several times [default: NAME.png]", PictureFormat::listed())
+}
+
+fn merged_help() -> String {
+    format!("File to write, {}; may be given several times", PictureFormat::listed())
 }

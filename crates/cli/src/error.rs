@@ -1,7 +1,7 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use raggio_render::{DenoiseError, DeviceError, OutputError, RenderError, TooLarge};
+use raggio_render::{DenoiseError, DeviceError, FilmError, OutputError, RenderError, TooLarge};
 use raggio_scene::{SceneError, display_name};
 #[cfg(feature = "window")]
 use raggio_viewer::ViewError;
@@ -13,8 +13,11 @@ pub enum Failure {
     Input(String),
     /// Fault of the device: status 3.
     Device(String),
-    /// End by the user, who has what there was by then: status 130, and nothing to say.
-    Interrupted,
+    /// File that could not be written in its place, while the film is saved: status 4.
+    Unwritten(String),
+    /// End by a signal, whose number this is; the user has what there was by then, and nothing is to be said: the status is
+    /// 128 and the number, as shells have it.
+    Interrupted(u8),
 }
 
 impl Failure {
@@ -22,8 +25,8 @@ impl Failure {
         match self {
             Self::Input(_) => ExitCode::from(2),
             Self::Device(_) => ExitCode::from(3),
-            // 128 and the number of SIGINT, as shells have it.
-            Self::Interrupted => ExitCode::from(130),
+            Self::Unwritten(_) => ExitCode::from(4),
+            Self::Interrupted(signal) => ExitCode::from(128 + signal),
         }
     }
 }
@@ -31,8 +34,8 @@ impl Failure {
 impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Input(message) | Self::Device(message) => f.write_str(message),
-            Self::Interrupted => f.write_str("interrupted"),
+            Self::Input(message) | Self::Device(message) | Self::Unwritten(message) => f.write_str(message),
+            Self::Interrupted(_) => f.write_str("interrupted"),
         }
     }
 }
@@ -45,6 +48,12 @@ impl From<SceneError> for Failure {
 
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
+        Self::Input(error.to_string())
+    }
+}
+
+impl From<FilmError> for Failure {
+    fn from(error: FilmError) -> Self {
         Self::Input(error.to_string())
     }
 }

@@ -24,6 +24,7 @@ pub struct Wanted<'a> {
     pub has_layers: bool,
     pub denoise: bool,
     pub stats: Option<&'a Path>,
+    pub checkpoint: Option<&'a Path>,
 }
 
 impl Files {
@@ -35,13 +36,22 @@ impl Files {
             return Err(Failure::Input("--aov writes layers, which only .exr has: name one with -o".into()));
         }
         let beside = if wanted.denoise {
-            let beside = pictures.iter().map(|file| Ok(file.denoised()?.with_refuge(here())));
-            beside.collect::<Result<Vec<_>, Failure>>()?
+            let beside = pictures.iter().filter(|file| !file.is_film());
+            let beside =
+                beside.map(|file| Ok(file.denoised()?.with_refuge(here()))).collect::<Result<Vec<_>, Failure>>()?;
+            if beside.is_empty() {
+                return Err(Failure::Input(
+                    "--denoise makes pictures, and a film is none: name a .png or .exr with -o".into(),
+                ));
+            }
+            beside
         } else {
             vec![]
         };
         let stats = wanted.stats.map(output_file).transpose()?;
-        let files: Vec<_> = pictures.iter().chain(&beside).map(ImageFile::file).chain(&stats).cloned().collect();
+        let checkpoint = wanted.checkpoint.map(output_file).transpose()?;
+        let pictured = pictures.iter().chain(&beside).map(ImageFile::file);
+        let files: Vec<_> = pictured.chain(&stats).chain(&checkpoint).cloned().collect();
         check_apart(&files, inputs)?;
         let denoised = if wanted.denoise { Some((Denoiser::open()?, beside)) } else { None };
         Ok(Self { pictures, denoised, display: wanted.display, stats })

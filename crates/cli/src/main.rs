@@ -6,9 +6,12 @@ mod error;
 mod files;
 mod listing;
 mod manual;
+mod merge;
 mod output;
 mod progress;
 mod render;
+mod run;
+mod signals;
 mod stats;
 #[cfg(feature = "window")]
 mod view;
@@ -34,11 +37,15 @@ fn main() -> ExitCode {
     }));
     #[cfg(unix)]
     survive_limits();
+    // For tests of what follows: makes one step of writing files fail.
+    if let Some(step) = std::env::var("RAGGIO_PRETEND_FILE_FAULT").ok().and_then(|step| step.parse().ok()) {
+        raggio_render::pretend_file_fault(step);
+    }
     match run() {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error @ Failure::Interrupted) => error.exit_code(),
+        Err(error @ Failure::Interrupted(_)) => error.exit_code(),
         Err(error) => {
-            output::say(format_args!("error: {error}"));
+            output::fail(&error);
             error.exit_code()
         }
     }
@@ -53,6 +60,7 @@ fn run() -> Result<(), Failure> {
     };
     match arguments.command {
         Command::Render(arguments) => render::render(&arguments),
+        Command::Merge(arguments) => merge::merge(&arguments),
         Command::Demo(arguments) => render::demo(&arguments),
         #[cfg(feature = "window")]
         Command::View(arguments) => view::view(&arguments),

@@ -1,17 +1,56 @@
+//! Words and figures of how a render goes, for people and for programs.
+
 use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
-use raggio_render::{Film, Progress, UNLIMITED_SAMPLES};
+use indicatif::{ProgressBar, ProgressStyle as BarStyle};
+use raggio_choice::choice;
+use raggio_render::{Film, Phase, Progress, UNLIMITED_SAMPLES};
 use raggio_scene::counted;
+use serde_json::json;
 
-use crate::output::say;
+use crate::output::{Language, say, say_json, say_openjd, speak};
 
-/// Tells the user how a render goes: a bar on a terminal, now and then a line elsewhere, nothing when quiet.
-pub enum Reporter {
+choice! {
+    /// Way of telling how a render goes.
+    pub enum ProgressStyle: "progress style" {
+        /// a bar on a terminal, now and then a line elsewhere
+        Auto = "auto",
+        /// a bar, which only a terminal shows
+        Bar = "bar",
+        /// now and then a line
+        Lines = "lines",
+        /// lines of JSON on standard error, and so is all else that is said
+        Json = "json",
+        /// lines of Open Job Description on standard output
+        OpenJd = "openjd",
+        /// no progress; warnings and what is written are told
+        None = "none",
+    }
+}
+
+/// Time from one line for a program to the next, at least.
+const PAUSE: Duration = Duration::from_millis(500);
+
+/// Tells the user how a render goes.
+pub struct Reporter {
+    style: Style,
+    end: End,
+    phase: Phase,
+    /// Path of the last checkpoint.
+    checkpoint: Option<PathBuf>,
+    /// Progress that was told last.
+    last: Option<Progress>,
+}
+
+enum Style {
     Quiet,
-    Bar { bar: ProgressBar, end: End },
-    Lines { end: End, next: Instant, pause: Duration },
+    Silent,
+    Bar(ProgressBar),
+    Lines { next: Instant, pause: Duration },
+    Json { next: Instant },
+    OpenJd { next: Instant },
 }
 
 /// End of a render, as far as it is known before.
@@ -23,51 +62,140 @@ pub struct End {
     pub time_limit: Option<f32>,
 }
 
-impl Reporter {
-    pub fn new(quiet: bool, end: End) -> Self {
-        if quiet {
-            Self::Quiet
-        } else if std::io::stderr().is_terminal() {
-            let bar = ProgressBar::new(1000);
-            let style = ProgressStyle::with_template("{bar:30} {percent:>3}%  {msg}");
-            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-            Self::Bar { bar, end }
-        } else {
-            let pause = Duration::from_secs(2);
-            Self::Lines { end, next: Instant::now() + pause, pause }
+impl ProgressStyle {
+    /// Says what is said from now on as programs read it, if they are to.
+    pub fn speak(self) {
+        match self {
+            Self::Json => speak(Language::Json),
+            Self::OpenJd => speak(Language::OpenJd),
+            _ => {}
         }
+    }
+}
+
+impl Reporter {
+    pub fn new(quiet: bool, style: ProgressStyle, end: End) -> Self {
+        let is_bar = style == ProgressStyle::Bar || style == ProgressStyle::Auto && std::io::stderr().is_terminal();
+        let next = Instant::now();
+        let style = match style {
+            _ if quiet => Style::Quiet,
+            ProgressStyle::None => Style::Silent,
+            ProgressStyle::Json => Style::Json { next },
+            ProgressStyle::OpenJd => Style::OpenJd { next },
+            _ if is_bar => {
+                let bar = ProgressBar::new(1000);
+                let style = BarStyle::with_template("{bar:30} {percent:>3}%  {msg}");
+                bar.set_style(style.unwrap_or_else(|_| BarStyle::default_bar()));
+                Style::Bar(bar)
+            }
+            _ => {
+                let pause = Duration::from_secs(2);
+                Style::Lines { next: next + pause, pause }
+            }
+        };
+        Self { style, end, phase: Phase::Sampling, checkpoint: None, last: None }
     }
 
     /// Prints a line of its own, above the bar.
     pub fn say(&self, line: &str) {
-        match self {
-            Self::Quiet => {}
-            Self::Bar { bar, .. } => bar.println(line),
-            Self::Lines { .. } => say(line),
+        match &self.style {
+            Style::Quiet => {}
+            Style::Bar(bar) if !bar.is_hidden() => bar.println(line),
+            _ => say(line),
         }
     }
 
-    pub fn update(&mut self, progress: &Progress) {
-        match self {
-            Self::Quiet => {}
-            Self::Bar { bar, end } => {
-                bar.set_position((1000.0 * progress.fraction) as u64);
-                bar.set_message(describe(progress, *end));
+    /// Takes the phase that begins.
+    pub fn begin(&mut self, phase: Phase) {
+        self.phase = phase;
+        let now = Instant::now();
+        match &mut self.style {
+            Style::Json { next } => *next = now,
+            Style::OpenJd { next } => {
+                *next = now;
+                say_openjd("status", phase);
             }
-            Self::Lines { end, next, pause } => {
-                if Instant::now() >= *next {
-                    say(format_args!("{:3.0}%  {}", 100.0 * progress.fraction, describe(progress, *end)));
+            Style::Bar(_) | Style::Lines { .. } if phase == Phase::Denoising => self.say("denoising"),
+            _ => {}
+        }
+        if let (Style::Json { .. }, Some(last)) = (&self.style, self.last) {
+            self.update(&last);
+        }
+    }
+
+    /// Takes the path of a checkpoint that has been written.
+    pub fn saved(&mut self, checkpoint: &Path) {
+        self.checkpoint = Some(checkpoint.into());
+    }
+
+    pub fn update(&mut self, progress: &Progress) {
+        self.last = Some(*progress);
+        let (end, now) = (self.end, Instant::now());
+        match &mut self.style {
+            Style::Quiet | Style::Silent => {}
+            Style::Bar(bar) => {
+                bar.set_position((1000.0 * progress.fraction) as u64);
+                bar.set_message(describe(progress, end));
+            }
+            Style::Lines { next, pause } => {
+                if now >= *next {
+                    say(format_args!("{:3.0}%  {}", 100.0 * progress.fraction, describe(progress, end)));
                     // Long renders need no line every two seconds.
                     *pause = (*pause * 3 / 2).min(Duration::from_secs(60));
-                    *next = Instant::now() + *pause;
+                    *next = now + *pause;
+                }
+            }
+            Style::Json { next } => {
+                if now >= *next {
+                    *next = now + PAUSE;
+                    self.say_figures(self.phase.name(), progress);
+                }
+            }
+            Style::OpenJd { next } => {
+                if now >= *next {
+                    *next = now + PAUSE;
+                    say_openjd("progress", format_args!("{:.2}", 100.0 * progress.fraction));
+                    say_openjd("status", describe(progress, end));
                 }
             }
         }
     }
 
+    /// Prints a line of figures as JSON.
+    fn say_figures(&self, phase: &str, progress: &Progress) {
+        let known = |number: f64| if number.is_finite() { Some(number) } else { None };
+        let line = json!({
+            "phase": phase,
+            "fraction": progress.fraction,
+            "samples": progress.samples,
+            "samples_wanted": (self.end.samples < UNLIMITED_SAMPLES).then_some(self.end.samples),
+            "seconds": progress.seconds,
+            "seconds_left": seconds_left(progress, self.end),
+            "noise": progress.noise.and_then(|noise| known(noise.error)),
+            "checkpoint": self.checkpoint.as_ref().map(|path| path.to_string_lossy()),
+        });
+        say_json(&line);
+    }
+
+    /// Takes the bar away, for sampling is over.
     pub fn finish(&self) {
-        if let Self::Bar { bar, .. } = self {
+        if let Style::Bar(bar) = &self.style {
             bar.finish_and_clear();
+        }
+    }
+
+    /// Tells programs that all is done.
+    pub fn done(&mut self) {
+        self.checkpoint = None;
+        match (&self.style, &self.last) {
+            (Style::Json { .. }, Some(last)) => {
+                self.say_figures("done", &Progress { fraction: 1.0, ..*last });
+            }
+            (Style::OpenJd { .. }, _) => {
+                say_openjd("progress", "100");
+                say_openjd("status", "done");
+            }
+            _ => {}
         }
     }
 
@@ -124,14 +252,19 @@ fn describe(progress: &Progress, end: End) -> String {
         let [error, resting] = [noise.error, noise.resting].map(|part| 100.0 * part);
         text += &format!("  error {error:.1} %, {resting:.0} % of the picture done");
     }
+    if let Some(left) = seconds_left(progress, end) {
+        text += &format!("  {} left", duration(left));
+    }
+    text
+}
+
+/// Seconds that a render has still to go, as far as its rate tells.
+fn seconds_left(progress: &Progress, end: End) -> Option<f64> {
     // Nobody knows how long it takes until the noise is low.
     let by_fraction =
         progress.noise.is_none().then(|| progress.seconds * (1.0 - progress.fraction) / progress.fraction.max(1e-9));
     let by_time = end.time_limit.map(|limit| (f64::from(limit) - progress.seconds).max(0.0));
-    if let Some(left) = [by_fraction, by_time].into_iter().flatten().reduce(f64::min) {
-        text += &format!("  {} left", duration(left));
-    }
-    text
+    [by_fraction, by_time].into_iter().flatten().reduce(f64::min)
 }
 
 /// Count in millions: `12.3 M`.

@@ -34,6 +34,9 @@ impl Stats<'_> {
             "most_samples_per_pixel": film.sample_range().1,
             "clamped_share": film.clamped_share(),
         });
-        file.write(format!("{stats:#}\n").as_bytes()).map_err(|e| cannot_write(file.path(), &e))
+        file.write(format!("{stats:#}\n").as_bytes()).map_err(|e| match cannot_write(file.path(), &e) {
+            Failure::Input(message) => Failure::Unwritten(message),
+            other => other,
+        })
     }
 }

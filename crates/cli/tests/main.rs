@@ -3,7 +3,9 @@
 mod bench;
 mod common;
 mod film;
+mod merge;
 mod outputs;
 mod refusals;
 mod render;
+mod survival;
 mod view;

@@ -347,7 +347,7 @@ mod unix {
         let pid = child.id().to_string();
         assert!(Command::new("kill").args(["-INT", &pid]).status().expect("kill runs").success());
         let said: Vec<_> = lines.collect();
-        assert_eq!(child.wait().expect("raggio ends").code(), Some(2), "{said:?}");
+        assert_eq!(child.wait().expect("raggio ends").code(), Some(4), "{said:?}");
         for (name, instead) in [("out/deep/a.png", "a-2.png"), ("out/deep/b.exr", "b.exr"), ("out/s.json", "s.json")] {
             let told = |line: &String| {
                 line.starts_with(&format!("error: cannot write {name}: "))
@@ -357,7 +357,12 @@ mod unix {
         }
         assert_eq!(
             files_in(folder.path()),
-            ["a-2.png", "a.png", "b.exr", "c.png", "out", "s.json", "scene.toml"],
+            ["a-2.png", "a.png", "a.png.checkpoint", "b.exr", "c.png", "out", "s.json", "scene.toml"],
+            "{said:?}"
+        );
+        let film = "/a.png.checkpoint --resume goes on from it";
+        assert!(
+            said.iter().any(|line| line.contains("the same command with --checkpoint /") && line.ends_with(film)),
             "{said:?}"
         );
         assert!(image::open(there("a-2.png")).is_ok() && read_exr(&there("b.exr")).0 == 32);
@@ -414,7 +419,7 @@ fn help_tells_exit_statuses() {
     let here = Path::new(".");
     for arguments in [&["--help"][..], &["render", "--help"]] {
         let help = text(&raggio(here, arguments).stdout);
-        for line in ["  0    done", "  2    ", "  3    ", "  130  interrupted"] {
+        for line in ["  0    done", "  2    ", "  3    ", "  4    ", "  129  ", "  130  interrupted", "  143  "] {
             assert!(help.contains(line), "{line} is not in {help}");
         }
     }

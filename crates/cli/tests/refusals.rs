@@ -94,7 +94,7 @@ fn wrong_arguments_are_explained() {
     };
     refused(&["--size", "12"], "give width and height in pixels, each 1 to 65536, as in 1280x720");
     refused(&["--size", "0x5"], "give width and height in pixels");
-    refused(&["--samples", "0"], "0 is not in 1..");
+    refused(&["--samples", "0"], "give a number from 1 to 2147483647, or a range as 64..128");
     refused(&["--samples", "-3"], "-3");
     refused(&["--max-depth", "65536"], "65536 is not in 0..");
     refused(&["--threads", "0"], "0 is not in 1..");

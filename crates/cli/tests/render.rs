@@ -190,7 +190,10 @@ fn an_output_that_cannot_be_written_is_refused_before_rendering() {
     let refused = |output: &str, message: &str| {
         assert_refused(&raggio(folder.path(), &["render", "scene.toml", "--device", "cpu", "-o", output]), message);
     };
-    refused("a.jpg", "a.jpg: the ending must be .png (for looking at) or .exr (linear radiance)");
+    refused(
+        "a.jpg",
+        "a.jpg: the ending must be .png (for looking at), .exr (linear radiance) or .film (sums of samples)",
+    );
     refused("a", "a: the ending must be");
     refused("nowhere/a.png", "cannot write nowhere/a.png: ");
     std::fs::create_dir(folder.path().join("d.png")).expect("a folder");
@@ -241,6 +244,10 @@ fn interrupting_writes_what_there_is() {
     let stopped =
         |line: &String| line.starts_with("stopped early: ") && line.contains(" of 2000000000 samples per pixel");
     assert!(said.iter().any(stopped), "{said:?}");
+    let saved =
+        "stopped by SIGINT: what there is is saved in scene.png.checkpoint: the same command with --resume goes on";
+    assert!(said.iter().any(|line| line.starts_with(saved)), "{said:?}");
+    assert_eq!(files_in(folder.path()), ["s.json", "scene.png", "scene.png.checkpoint", "scene.toml"]);
     let picture = image::open(folder.path().join("scene.png")).expect("a PNG").to_rgb8();
     assert_ne!(picture.get_pixel(16, 23).0, [0, 0, 0], "the last row has samples too");
     let stats = std::fs::read_to_string(folder.path().join("s.json")).expect("stats");

@@ -6,6 +6,7 @@
 //!
 //! A front end fills in a [`RenderRequest`]; a [`Rendering`] goes all of that way and tells an [`Observer`].
 
+mod checkpoint;
 mod devices;
 mod pictures;
 mod renderer;
@@ -13,6 +14,7 @@ mod rendering;
 mod request;
 mod translation;
 
+pub use checkpoint::{CheckpointError, Checkpoints, Every};
 pub use devices::adaptive::Blocks;
 pub use devices::choice::{DeviceChoice, OpenOptions, devices, open};
 pub use devices::cpu::{CpuDevice, CpuOptions};
@@ -21,6 +23,7 @@ pub use devices::machine::{TooLarge, check_memory, memory_bytes, peak_memory_byt
 pub use devices::vulkan::VulkanDevice;
 pub use pictures::aov::{Aov, Channel, Features, Values};
 pub use pictures::display::{Display, Pixels, show_image};
+pub use pictures::file_faults::{file_fault_is_due, pretend_file_fault};
 pub use pictures::film::{Film, FilmError, Label, MergeError, Portion, film_bytes};
 pub use pictures::format::PictureFormat;
 pub use pictures::image_file::{Extras, ImageFile, OutputError, write_png};
@@ -39,7 +42,7 @@ pub use raggio_kernels::{
 };
 pub use renderer::{NoiseProgress, Progress, Renderer};
 pub use rendering::{RenderError, Rendered, Rendering};
-pub use request::{Observer, RenderRequest, Stop, UNLIMITED_SAMPLES};
+pub use request::{Observer, Phase, RenderRequest, Stop, UNLIMITED_SAMPLES};
 pub use translation::bounds::bounds;
 pub use translation::device_scene::DeviceScene;
 pub use translation::error::TranslationError;

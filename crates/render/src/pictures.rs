@@ -2,6 +2,7 @@
 
 pub mod aov;
 pub mod display;
+pub mod file_faults;
 pub mod film;
 pub mod format;
 pub mod image_file;

@@ -1,18 +1,24 @@
 //! Renders in portions.
 
+mod identity;
+mod resume;
+
 use std::ops::Range;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-use raggio_kernels::{Feature, SceneBuffers};
-use raggio_scene::RenderSettings;
+use raggio_kernels::Feature;
 
 use crate::devices::adaptive::{Blocks, next_judgement};
 use crate::devices::device::{DeviceError, Session};
 use crate::devices::films::Films;
 use crate::pictures::film::{Film, Label, Portion};
 use crate::translation::device_scene::DeviceScene;
+
+use identity::{Identity, settings};
+
+pub(crate) use identity::LateLabel;
 
 /// Adds samples to the film that a session shows, a portion at a time: each as long as the device has patience for.
 ///
@@ -26,18 +32,13 @@ pub struct Renderer {
     /// Numbers of the samples that each pixel is to have.
     samples: Range<u32>,
     samples_per_pass: Option<u32>,
+    /// Most samples that a pass adds to each pixel.
+    longest_pass: u32,
     /// Flag of who wants the portion under way to end at once.
     stop: Arc<AtomicBool>,
     courses: Films<Course>,
     adaptive: Option<Adaptive>,
-    identity: Identity,
-}
-
-/// Identity of a scene in the labels of its films. Hashing a large scene takes a while, and not all films need a label.
-struct Identity {
-    buffers: SceneBuffers,
-    settings: RenderSettings,
-    hash: OnceLock<[u8; 32]>,
+    identity: Arc<Identity>,
 }
 
 /// Sampling until the error is small enough, for the film of radiance.
@@ -113,10 +114,11 @@ impl Renderer {
             height,
             samples,
             samples_per_pass: None,
+            longest_pass: u32::MAX,
             stop: Arc::default(),
             courses: Films::new(course),
             adaptive: None,
-            identity: Identity::new(scene),
+            identity: Arc::new(Identity::new(scene)),
         }
     }
 
@@ -150,10 +152,14 @@ impl Renderer {
             return Ok(u32::MAX);
         };
         if let Some(film) = film {
-            adaptive.error = adaptive.blocks.judge(&film, adaptive.noise);
-            adaptive.active = adaptive.blocks.active_pixels(0..self.height);
+            let mut blocks = adaptive.blocks.clone();
+            let error = blocks.judge(&film, adaptive.noise);
+            // Only what the device knows counts: it may fail here, and be asked again.
+            self.session.rest(Some(&blocks))?;
+            adaptive.active = blocks.active_pixels(0..self.height);
             adaptive.judgement = next_judgement(samples);
-            self.session.rest(Some(&adaptive.blocks))?;
+            adaptive.error = error;
+            adaptive.blocks = blocks;
         }
         Ok(adaptive.judgement - samples)
     }
@@ -186,7 +192,7 @@ impl Renderer {
     pub fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
         self.session.restart(scene)?;
         (self.width, self.height) = (scene.work.width, scene.work.height);
-        self.identity = Identity::new(scene);
+        self.identity = Arc::new(Identity::new(scene));
         if let Some(noise) = self.adaptive.as_ref().map(|adaptive| adaptive.noise) {
             self.set_noise(noise);
             self.session.rest(None)?;
@@ -263,7 +269,7 @@ impl Renderer {
             course.slowest_before = std::mem::replace(&mut course.slowest, f64::INFINITY);
             // A pass adds as many samples as one portion can give to the whole image, and at least one.
             let affordable = (portion / pixels) as u32;
-            let most = unjudged.min(self.samples.end - course.pass.end);
+            let most = unjudged.min(self.samples.end - course.pass.end).min(self.longest_pass);
             let samples = self.samples_per_pass.unwrap_or(affordable).clamp(1, most);
             course.pass = course.pass.end..course.pass.end + samples;
             course.row = 0;
@@ -379,60 +385,29 @@ impl Renderer {
         Ok(film?.with_label(label))
     }
 
+    /// Makes passes add no more than `samples` samples, at least one, to each pixel.
+    pub(crate) fn set_longest_pass(&mut self, samples: u32) {
+        self.longest_pass = samples.max(1);
+    }
+
+    /// Makes the next portion as small as can be: the last was too much for the device.
+    pub(crate) fn begin_small(&mut self) {
+        self.courses.shown_mut().last = 0.0;
+    }
+
     fn label(&self) -> Label {
+        self.late_label().make()
+    }
+
+    /// Label of the film of radiance, which has to be shown, as it is now.
+    pub(crate) fn late_label(&self) -> LateLabel {
         let Course { pass, row, .. } = self.courses.shown();
         let whole = Portion { samples: self.samples.start..pass.start, rows: 0..self.height };
         let unfinished = Portion { samples: pass.clone(), rows: 0..*row };
         let noise = self.adaptive.as_ref().map(|adaptive| adaptive.noise);
-        Label::new(self.identity.hash(), settings(&self.identity.settings, noise), vec![whole, unfinished])
+        let settings = settings(self.identity.settings(), noise);
+        LateLabel::new(self.identity.clone(), settings, vec![whole, unfinished])
     }
-}
-
-impl Identity {
-    fn new(scene: &DeviceScene) -> Self {
-        Self { buffers: scene.buffers.clone(), settings: scene.settings.clone(), hash: OnceLock::new() }
-    }
-
-    /// Hash of all that kernels read of the scene. The filter's table is a setting.
-    fn hash(&self) -> [u8; 32] {
-        *self.hash.get_or_init(|| {
-            let mut hasher = blake3::Hasher::new();
-            for list in self.buffers.bytes().iter().filter(|list| list.name != "filter_table") {
-                // Lengths keep lists apart.
-                hasher.update(list.name.as_bytes()).update(&(list.bytes.len() as u64).to_le_bytes()).update(list.bytes);
-            }
-            *hasher.finalize().as_bytes()
-        })
-    }
-}
-
-/// Settings that decide the values of samples, as a label has them.
-fn settings(settings: &RenderSettings, noise: Option<f64>) -> Vec<(String, String)> {
-    let RenderSettings {
-        integrator,
-        sampler,
-        seed,
-        filter,
-        max_depth,
-        clamp,
-        surface_offset,
-        width: _,
-        height: _,
-        samples: _,
-    } = settings;
-    let optional = |value: Option<String>| value.unwrap_or_else(|| "none".into());
-    [
-        ("integrator", integrator.to_string()),
-        ("sampler", sampler.to_string()),
-        ("seed", seed.to_string()),
-        ("filter", filter.to_string()),
-        ("max_depth", max_depth.to_string()),
-        ("clamp", optional(clamp.map(|clamp| clamp.to_string()))),
-        ("surface_offset", surface_offset.to_string()),
-        ("noise", optional(noise.map(|noise| noise.to_string()))),
-    ]
-    .map(|(key, value)| (key.to_owned(), value))
-    .into()
 }
 
 impl Course {

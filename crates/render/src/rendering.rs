@@ -1,6 +1,8 @@
 //! A render from its scene to its picture: what all front ends without a window share.
 
+use std::io;
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -8,15 +10,17 @@ use std::time::Instant;
 use raggio_kernels::MAX_NESTED_MEDIA;
 use raggio_scene::Scene;
 
+use crate::checkpoint::{Checkpoint, CheckpointError, Every, Keeper, SamplingState};
 use crate::devices::device::{Device, DeviceError};
 use crate::devices::machine::{TooLarge, check_films};
 use crate::pictures::aov::Features;
 use crate::pictures::film::Film;
 use crate::pictures::image_file::Extras;
 use crate::pictures::metadata::Metadata;
+use crate::pictures::output_file::write_free;
 use crate::pictures::picture::{Guides, Picture};
-use crate::renderer::{Progress, Renderer};
-use crate::request::{Observer, RenderRequest};
+use crate::renderer::{LateLabel, Progress, Renderer};
+use crate::request::{Observer, Phase, RenderRequest};
 use crate::translation::device_scene::DeviceScene;
 use crate::translation::error::TranslationError;
 
@@ -31,6 +35,12 @@ pub struct Rendering {
     scene: DeviceScene,
     request: RenderRequest,
     metadata: Metadata,
+    keeper: Option<Keeper>,
+    resumed: Option<PathBuf>,
+    /// Seconds that were spent before a checkpoint was written, and until now.
+    spent: f64,
+    /// Warnings for the observer, who is not there yet.
+    warnings: Vec<String>,
 }
 
 /// A render that has come to its end.
@@ -44,10 +54,16 @@ pub struct Rendered {
     pub finished: bool,
     /// Error of the device that ended the render early; layers and guides are missing then.
     pub failure: Option<DeviceError>,
+    /// Path of the checkpoint of this very picture, if there is one: elsewhere than was asked for if that place does not
+    /// take it.
+    pub checkpoint: Option<PathBuf>,
     /// Number of shapes in the scene.
     pub shapes: usize,
     /// Number of triangles in the scene, those of each mesh once.
     pub triangles: usize,
+    keeper: Option<Keeper>,
+    /// Label and state of the film, for who needs them after all.
+    unsaved: Option<(LateLabel, SamplingState)>,
 }
 
 /// Reasons why a render cannot begin.
@@ -60,16 +76,30 @@ pub enum RenderError {
     /// A scene that is too much for any device.
     #[error(transparent)]
     Translation(#[from] TranslationError),
+    /// A checkpoint of something else, or a place where none can be.
+    #[error(transparent)]
+    Checkpoint(CheckpointError),
     /// A device that failed.
     #[error(transparent)]
     Device(#[from] DeviceError),
 }
 
+impl From<CheckpointError> for RenderError {
+    fn from(error: CheckpointError) -> Self {
+        match error {
+            CheckpointError::Device(error) => error.into(),
+            error => Self::Checkpoint(error),
+        }
+    }
+}
+
 impl Rendering {
-    /// Brings `scene` to `device`. The scene's own warnings are for whoever has read it.
+    /// Brings `scene` to `device`, and goes on from a checkpoint if that is asked for and there is one. The scene's own
+    /// warnings are for whoever has read it.
     ///
     /// # Errors
-    /// A [`RenderError`] when the picture or the scene is too large, or the device fails.
+    /// A [`RenderError`] when the picture or the scene is too large, the checkpoint is of something else, or the device
+    /// fails.
     pub fn begin(scene: &Scene, device: &dyn Device, request: RenderRequest) -> Result<Self, RenderError> {
         // What a denoiser works in is about as large as two films.
         let denoiser = if request.denoise { 2 } else { 0 };
@@ -81,7 +111,31 @@ impl Rendering {
             renderer.set_noise(noise.into());
         }
         let metadata = Metadata::new(scene, &request.name);
-        Ok(Self { renderer, scene: device_scene, request, metadata })
+        let mut keeper = request.checkpoints.as_ref().map(Keeper::new).transpose()?;
+        if let Some(Every::Samples(samples)) = request.checkpoints.as_ref().map(|kept| kept.every) {
+            renderer.set_longest_pass(samples);
+        }
+        let (mut resumed, mut spent, mut warnings) = (None, 0.0, vec![]);
+        let resumes = request.checkpoints.as_ref().is_some_and(|kept| kept.resume);
+        let found = match keeper.as_mut().filter(|_| resumes) {
+            Some(keeper) => keeper.find(&mut |warning| warnings.push(warning))?,
+            None => None,
+        };
+        if let Some((path, checkpoint)) = found {
+            renderer.resume(&checkpoint, &path)?;
+            (resumed, spent) = (Some(path), checkpoint.state.spent);
+        }
+        Ok(Self { renderer, scene: device_scene, request, metadata, keeper, resumed, spent, warnings })
+    }
+
+    /// Path of the checkpoint that the render goes on from, if there is one.
+    pub fn resumed(&self) -> Option<&Path> {
+        self.resumed.as_deref()
+    }
+
+    /// Progress so far: what the checkpoint has.
+    pub fn progress(&self) -> Progress {
+        self.renderer.progress()
     }
 
     /// Numbers of the samples that each pixel has at most.
@@ -103,22 +157,32 @@ impl Rendering {
         self.renderer.stop_flag()
     }
 
-    /// Takes samples until there are enough, `observer` breaks off, or the device fails; then come layers and guides.
+    /// Takes samples until there are enough, `observer` breaks off, or the device fails; then come layers and guides. What
+    /// there is after an early end is in a checkpoint, if there is to be one.
     ///
     /// # Errors
-    /// A [`DeviceError`] when the device fails and the film is lost with it.
+    /// A [`DeviceError`] when the device fails and the film is lost with it, but for what a checkpoint has.
     pub fn run(mut self, observer: &mut dyn Observer) -> Result<Rendered, DeviceError> {
-        let mut failure = self.sample(observer).err();
+        std::mem::take(&mut self.warnings).iter().for_each(|warning| observer.warn(warning));
+        observer.begin(Phase::Sampling);
+        let (is_done, mut failure) = match self.sample(observer) {
+            Ok(is_done) => (is_done, None),
+            Err(error) => (false, Some(error)),
+        };
         let progress = self.renderer.progress();
-        // A lost device has usually lost the film with it: then its first failure is what to report.
-        let film = if self.request.label { self.renderer.labelled_film() } else { self.renderer.film() };
-        let film = match (film, failure.take()) {
-            (Ok(film), first) => {
-                failure = first;
-                film
+        let mut finished = self.renderer.finished();
+        let (film, unsaved, checkpoint) = match self.end(&progress, is_done, failure.is_some(), observer) {
+            Ok((film, checkpoint)) => (film, Some((self.renderer.late_label(), self.sampling_state())), checkpoint),
+            // A lost device has usually lost the film with it: then its first failure is what to report, and the picture
+            // is that of the last checkpoint.
+            Err(error) => {
+                let error = failure.take().unwrap_or(error);
+                let Some(keeper) = &self.keeper else { return Err(error) };
+                let Some(checkpoint) = keeper.newest() else { return Err(error) };
+                failure = Some(error);
+                finished = false;
+                (checkpoint.film, None, Some(keeper.path().to_owned()))
             }
-            (Err(_), Some(first)) => return Err(first),
-            (Err(error), None) => return Err(error),
         };
         if film.rejected() > 0 {
             observer.warn(&format!(
@@ -133,33 +197,105 @@ impl Rendering {
                 Err(error) => failure = Some(error),
             }
         }
-        let finished = self.renderer.finished();
         let (shapes, triangles) = (self.scene.shapes(), self.scene.triangles());
-        Ok(Rendered { picture: self.picture(film, features), progress, finished, failure, shapes, triangles })
+        let keeper = self.keeper.take();
+        let picture = self.picture(film, features);
+        Ok(Rendered { picture, progress, finished, failure, checkpoint, shapes, triangles, keeper, unsaved })
     }
 
-    fn sample(&mut self, observer: &mut dyn Observer) -> Result<(), DeviceError> {
+    /// Takes samples. Returns whether there are enough, in number or by the clock.
+    fn sample(&mut self, observer: &mut dyn Observer) -> Result<bool, DeviceError> {
         let start = Instant::now();
+        // Whoever goes on has spent some of the time already.
+        let before = self.spent;
         let limit = self.request.stop.time_limit.map_or(f64::INFINITY, f64::from);
+        let mut is_second_try = false;
+        let mut is_done = true;
+        if let Some(keeper) = &mut self.keeper {
+            keeper.begin(self.renderer.progress().samples);
+        }
         while !self.renderer.finished() {
-            let left = limit - start.elapsed().as_secs_f64();
-            if left <= 0.0 {
+            self.spent = before + start.elapsed().as_secs_f64();
+            if self.spent >= limit {
                 break;
             }
-            let mut progress = self.renderer.advance_for(left.max(SHORTEST_PORTION))?;
-            progress.fraction = progress.fraction.max(start.elapsed().as_secs_f64() / limit).min(1.0);
-            if observer.progress(&progress).is_break() || self.stop_flag().load(Ordering::Relaxed) {
+            let mut progress = match self.renderer.advance_for((limit - self.spent).max(SHORTEST_PORTION)) {
+                // Less of it may fit.
+                Err(error) if error.is_out_of_memory() && !is_second_try => {
+                    is_second_try = true;
+                    self.renderer.begin_small();
+                    continue;
+                }
+                advanced => advanced?,
+            };
+            is_second_try = false;
+            self.spent = before + start.elapsed().as_secs_f64();
+            progress.fraction = progress.fraction.max(self.spent / limit).min(1.0);
+            let proceeds = observer.progress(&progress).is_continue() && !self.stop_flag().load(Ordering::Relaxed);
+            if !proceeds {
+                is_done = self.renderer.finished();
                 break;
+            }
+            if !self.renderer.finished() && self.keeper.as_ref().is_some_and(|keeper| keeper.is_due(&progress)) {
+                let checkpoint = self.checkpoint()?;
+                self.save(&checkpoint, &progress, observer);
             }
         }
         // What follows is not to be stopped by who has stopped this.
         self.stop_flag().store(false, Ordering::Relaxed);
-        Ok(())
+        Ok(is_done)
+    }
+
+    /// Reads the film at the end of sampling, and keeps it in a checkpoint where there is to be one, until its files are
+    /// written.
+    fn end(
+        &mut self,
+        progress: &Progress,
+        is_done: bool,
+        has_failed: bool,
+        observer: &mut dyn Observer,
+    ) -> Result<(Film, Option<PathBuf>), DeviceError> {
+        let is_wanted = |keeper: &Keeper| has_failed || keeper.owns() || keeper.is_worth_it(progress);
+        if !self.keeper.as_ref().is_some_and(is_wanted) && !self.request.label {
+            return Ok((self.renderer.film()?, None));
+        }
+        let checkpoint = self.checkpoint()?;
+        let mut path = None;
+        if self.keeper.as_ref().is_some_and(is_wanted) {
+            path = self.save(&checkpoint, progress, observer);
+            // Who is done writes files next, and saves the film elsewhere only if these cannot be written.
+            if let (None, Some(keeper)) = (&path, self.keeper.as_ref().filter(|_| !is_done)) {
+                path = keeper.save_elsewhere(&checkpoint, &refuges());
+            }
+        }
+        Ok((checkpoint.film, path))
+    }
+
+    fn checkpoint(&mut self) -> Result<Checkpoint, DeviceError> {
+        let film = self.renderer.labelled_film()?.with_notes(self.metadata.notes());
+        Ok(Checkpoint { film, state: self.sampling_state() })
+    }
+
+    /// State of the sampling of radiance, whose film is shown but for while layers are rendered.
+    fn sampling_state(&self) -> SamplingState {
+        SamplingState { spent: self.spent, ..self.renderer.sampling_state() }
+    }
+
+    /// Writes a checkpoint, and returns its path if it could be written.
+    fn save(&mut self, checkpoint: &Checkpoint, progress: &Progress, observer: &mut dyn Observer) -> Option<PathBuf> {
+        let keeper = self.keeper.as_mut()?;
+        let saved = keeper.save(checkpoint, progress.samples, &mut |warning| observer.warn(warning));
+        let path = saved.then(|| keeper.path().to_owned())?;
+        observer.saved(&path);
+        Some(path)
     }
 
     /// Renders what the layers and the denoiser need to know of first surfaces.
     fn features(&mut self, observer: &mut dyn Observer, film: &Film) -> Result<Features, DeviceError> {
         let wanted = self.request.features();
+        if !wanted.is_empty() {
+            observer.begin(Phase::Layers);
+        }
         // The mean number, where parts of the picture have more than others; an early end ends these films early too.
         let samples = (film.samples() / film.pixels().len() as u64).clamp(1, MOST_FEATURE_SAMPLES) as u32;
         let progress = self.renderer.progress();
@@ -182,4 +318,43 @@ impl Rendering {
         }
         Picture { film, extras, guides }
     }
+}
+
+impl Rendered {
+    /// Removes the checkpoints of this render: its files are written, and it needs none any more.
+    ///
+    /// # Errors
+    /// The system's error when one cannot be removed.
+    pub fn remove_checkpoints(&self) -> io::Result<()> {
+        self.keeper.as_ref().map_or(Ok(()), Keeper::remove)
+    }
+
+    /// Saves the film where its files could not be written, if no checkpoint holds it: as `NAME.film` in the current folder
+    /// or in that of temporary files. A render goes on from it as from a checkpoint. Returns its path.
+    ///
+    /// # Errors
+    /// The system's error when neither folder takes it.
+    pub fn rescue(&self, name: &str) -> io::Result<PathBuf> {
+        if let Some(path) = &self.checkpoint {
+            return Ok(path.clone());
+        }
+        let (label, state) = self.unsaved.as_ref().ok_or(io::ErrorKind::NotFound)?;
+        let notes = self.picture.extras.metadata.as_ref().map(Metadata::notes).unwrap_or_default();
+        let (label, state) = (label.make().with_notes(notes), state.note());
+        let mut outcome = Err(io::ErrorKind::NotFound.into());
+        for folder in refuges() {
+            let name = Path::new(name).with_extension("film");
+            let state = std::slice::from_ref(&state);
+            outcome = write_free(&folder, &name, &|to| self.picture.film.write_as(&label, to, state));
+            if outcome.is_ok() {
+                break;
+            }
+        }
+        outcome
+    }
+}
+
+/// Folders for what cannot be written to its place.
+fn refuges() -> Vec<PathBuf> {
+    [PathBuf::from("."), std::env::temp_dir()].into_iter().filter_map(|folder| folder.canonicalize().ok()).collect()
 }

@@ -1,10 +1,13 @@
 //! Requests of front ends, and reports to them meanwhile.
 
 use std::ops::{ControlFlow, Range};
+use std::path::Path;
 
+use raggio_choice::choice;
 use raggio_kernels::Feature;
 use raggio_scene::RenderSettings;
 
+use crate::checkpoint::Checkpoints;
 use crate::pictures::aov::{Aov, Features};
 use crate::renderer::Progress;
 
@@ -27,6 +30,8 @@ pub struct RenderRequest {
     pub label: bool,
     /// End of sampling.
     pub stop: Stop,
+    /// Files from which the render goes on after whatever has ended it early; `None`: none are kept.
+    pub checkpoints: Option<Checkpoints>,
 }
 
 impl RenderRequest {
@@ -67,10 +72,30 @@ impl Stop {
     }
 }
 
+choice! {
+    /// Phase of a render.
+    pub enum Phase: "phase" {
+        /// Rays are traced for the picture.
+        Sampling = "sampling",
+        /// Rays are traced for its layers, and for what guides the denoiser.
+        Layers = "layers",
+        /// The picture is denoised.
+        Denoising = "denoising",
+        /// Files are written.
+        Writing = "writing",
+    }
+}
+
 /// A front end that wants to hear how a render goes. A closure of the progress is one that hears no warnings.
 pub trait Observer {
     /// Takes a warning, one sentence for the user.
     fn warn(&mut self, _warning: &str) {}
+
+    /// Hears of a phase that begins.
+    fn begin(&mut self, _phase: Phase) {}
+
+    /// Hears of a checkpoint that has been written.
+    fn saved(&mut self, _checkpoint: &Path) {}
 
     /// Takes the progress after each portion of work. [`ControlFlow::Break`] ends the render early: what there is
     /// becomes the picture.

@@ -187,7 +187,7 @@ fn sizes_are_not_believed() {
         changed[place..place + 4].copy_from_slice(&word.to_le_bytes());
         refused(&changed)
     };
-    assert!(matches!(with(8, 2), FilmError::Version { found: 2, .. }));
+    assert!(matches!(with(8, 3), FilmError::Version { found: 3, .. }));
     assert!(matches!(with(12, 0), FilmError::Damaged { .. }));
     assert!(matches!(with(12, 1 << 17), FilmError::Damaged { .. }));
     // A list of four thousand million entries, where the version's text is.

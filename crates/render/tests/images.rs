@@ -143,7 +143,8 @@ fn files_that_are_no_pictures_are_named() {
     let path = |name: &str| folder.path().join(name);
     assert!(refusal(&path("none.exr")).starts_with("cannot read "));
     assert!(
-        refusal(&path("picture.jpg")).ends_with("the ending must be .png (for looking at) or .exr (linear radiance)")
+        refusal(&path("picture.jpg"))
+            .ends_with("the ending must be .png (for looking at), .exr (linear radiance) or .film (sums of samples)")
     );
     std::fs::create_dir(path("folder.png")).expect("a folder");
     assert!(refusal(&path("folder.png")).starts_with("cannot read "));

@@ -1,5 +1,7 @@
 //! Translation, portions of work, and pictures on disk.
 
+mod checkpoints;
+mod faults;
 mod film;
 mod images;
 mod portions;

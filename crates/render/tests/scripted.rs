@@ -43,6 +43,10 @@ impl<S: Script> Session for Scripted<S> {
         self.script.add_samples(rows, samples).map(|()| count)
     }
 
+    fn set_film(&mut self, _: &Film) -> Result<(), DeviceError> {
+        Ok(())
+    }
+
     fn rest(&mut self, _: Option<&Blocks>) -> Result<(), DeviceError> {
         Ok(())
     }

@@ -44,7 +44,8 @@ impl Export {
     pub fn advance(&mut self, seconds: f64) -> Result<bool, ViewError> {
         let finished = self.renderer.run_for(seconds)?;
         if finished {
-            write(&self.file, &self.renderer.film()?, self.display, self.metadata.clone())?;
+            let film = if self.file.is_film() { self.renderer.labelled_film()? } else { self.renderer.film()? };
+            write(&self.file, &film, self.display, self.metadata.clone())?;
         }
         Ok(finished)
     }

@@ -50,6 +50,7 @@ impl Buffer {
         }
         // An empty binding is not allowed: the smallest buffer has 16 bytes.
         let info = vk::BufferCreateInfo::default().size(size.max(16)).usage(usage);
+        device.attempt("vkCreateBuffer")?;
         // SAFETY: the device is alive; `raw` is destroyed below or in `Drop`.
         let raw = unsafe { device.raw.create_buffer(&info, None) }.during("vkCreateBuffer")?;
         // From here on `Drop` cleans up.
@@ -57,6 +58,7 @@ impl Buffer {
 
         // SAFETY: `raw` was just created from this device.
         let requirements = unsafe { device.raw.get_buffer_memory_requirements(raw) };
+        device.attempt("vkAllocateMemory")?;
         let allocation = device
             .allocator()
             .allocate(&AllocationCreateDesc {
@@ -72,6 +74,7 @@ impl Buffer {
             })
             .map_err(|e| VulkanError::OutOfMemory(format!("{what}, {size} bytes: {e}")))?;
         let allocation = buffer.allocation.insert(allocation);
+        device.attempt("vkBindBufferMemory")?;
         // SAFETY: the allocation was made for this buffer's requirements and is bound once.
         unsafe { device.raw.bind_buffer_memory(raw, allocation.memory(), allocation.offset()) }
             .during("vkBindBufferMemory")?;
@@ -81,6 +84,11 @@ impl Buffer {
     /// Number of bytes asked for.
     pub fn size(&self) -> u64 {
         self.size
+    }
+
+    /// Name of the buffer in errors.
+    pub(crate) fn what(&self) -> &str {
+        &self.what
     }
 
     /// Address at which kernels find the buffer, if they can reach buffers by address.

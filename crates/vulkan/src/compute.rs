@@ -63,6 +63,7 @@ impl Module {
         // destroys what was made when a later call fails.
         unsafe {
             let info = vk::ShaderModuleCreateInfo::default().code(&code);
+            device.attempt("vkCreateShaderModule")?;
             module.shader = device.raw.create_shader_module(&info, None).during("vkCreateShaderModule")?;
             for set in sets {
                 let (bindings, kind) = match set {
@@ -78,6 +79,7 @@ impl Module {
                 };
                 let slots: Vec<_> = bindings.iter().map(slot).collect();
                 let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&slots);
+                device.attempt("vkCreateDescriptorSetLayout")?;
                 let layout =
                     device.raw.create_descriptor_set_layout(&info, None).during("vkCreateDescriptorSetLayout")?;
                 module.sets.push((set.clone(), layout));
@@ -85,6 +87,7 @@ impl Module {
             let push = [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(push_bytes)];
             let layouts: Vec<_> = module.sets.iter().map(|(_, layout)| *layout).collect();
             let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts).push_constant_ranges(&push);
+            device.attempt("vkCreatePipelineLayout")?;
             module.layout = device.raw.create_pipeline_layout(&info, None).during("vkCreatePipelineLayout")?;
         }
         Ok(Arc::new(module))
@@ -112,6 +115,7 @@ impl Module {
             .name(&entry)
             .specialization_info(&constants);
         let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(self.layout)];
+        self.device.attempt("vkCreateComputePipelines")?;
         // SAFETY: module and layout belong to this device and outlive the pipeline.
         let created = unsafe { self.device.raw.create_compute_pipelines(vk::PipelineCache::null(), &info, None) };
         let raw = created.map_err(|(_, result)| match result {
@@ -155,6 +159,7 @@ impl Module {
         let layouts = [self.sets[index as usize].1];
         let sizes = [vk::DescriptorPoolSize::default().ty(kind).descriptor_count(buffers.len().max(1) as u32)];
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
+        self.device.attempt("vkCreateDescriptorPool")?;
         // SAFETY: the structures live until the calls return; the pool is destroyed by the set, which is made before
         // anything can fail again.
         let mut set = unsafe {
@@ -167,6 +172,7 @@ impl Module {
             .iter()
             .map(|(_, buffer)| [vk::DescriptorBufferInfo::default().buffer(buffer.raw).range(vk::WHOLE_SIZE)])
             .collect();
+        self.device.attempt("vkAllocateDescriptorSets")?;
         // SAFETY: the pool has room for this one set; the buffers live as long as the set does.
         unsafe {
             set.raw = device.allocate_descriptor_sets(&allocate).during("vkAllocateDescriptorSets")?[0];

@@ -1,12 +1,13 @@
 use std::ffi::CStr;
 use std::mem::ManuallyDrop;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use ash::{khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
 use crate::error::{During, VulkanError};
+use crate::faults::Faults;
 use crate::instance::PhysicalDevice;
 
 /// A device in use, with one compute queue.
@@ -15,8 +16,7 @@ pub struct Device {
     pub(crate) physical: PhysicalDevice,
     // The allocator is freed by hand in `Drop`, before the device.
     allocator: ManuallyDrop<Arc<Mutex<Allocator>>>,
-    /// Whether submissions fail, set by [`Device::pretend_lost`].
-    pub(crate) lost: AtomicBool,
+    pub(crate) faults: Faults,
     /// Limit on the bytes that a descriptor refers to, set by [`Device::pretend_small_bindings`].
     most_binding_bytes: AtomicU64,
     // Only one submission runs at a time: the lock is held while it is recorded and waited for.
@@ -78,7 +78,7 @@ impl Device {
                 raw,
                 physical: physical.clone(),
                 allocator: ManuallyDrop::new(Arc::new(Mutex::new(allocator))),
-                lost: AtomicBool::new(false),
+                faults: Faults::default(),
                 most_binding_bytes: AtomicU64::new(u64::MAX),
                 queue: Mutex::new(queue),
             })),
@@ -124,12 +124,6 @@ impl Device {
     /// Bytes of the device's memory in use, as far as this program goes.
     pub fn allocated_bytes(&self) -> u64 {
         self.allocator().generate_report().total_allocated_bytes
-    }
-
-    /// Makes every submission from now on fail as if the driver had reset the device: what follows a loss can be tried
-    /// out on machines that lose none.
-    pub fn pretend_lost(&self) {
-        self.lost.store(true, Ordering::Relaxed);
     }
 
     /// Makes descriptors refer to no more than `bytes` of a buffer from now on: how devices with small limits fare can

@@ -10,6 +10,7 @@ mod canvas;
 mod compute;
 mod device;
 mod error;
+mod faults;
 #[cfg(feature = "window")]
 mod image;
 mod instance;
@@ -24,6 +25,7 @@ pub use canvas::{Area, Canvas, Overlay, Picture, Pixels, Shown};
 pub use compute::{BindingSet, Module, Pipeline, SetLayout};
 pub use device::Device;
 pub use error::VulkanError;
+pub use faults::Fault;
 pub use instance::{DeviceKind, Instance, PhysicalDevice, STORAGE_BUFFERS};
 pub use passes::Passes;
 #[cfg(feature = "window")]

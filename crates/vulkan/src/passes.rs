@@ -2,7 +2,6 @@
 mod pictures;
 
 use std::ops::Range;
-use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use ash::vk;
@@ -83,15 +82,14 @@ impl Device {
         around: Around,
         record: impl FnOnce(&mut Passes<'a>) -> Result<(), VulkanError>,
     ) -> Result<(), VulkanError> {
-        if self.lost.load(Ordering::Relaxed) {
-            return Err(VulkanError::DeviceLost);
-        }
         let queue = self.queue.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the lock makes this thread the only user of the command buffer, and the last submission was waited
         // for before the lock was released.
         unsafe {
+            self.attempt("vkResetCommandPool")?;
             self.raw.reset_command_pool(queue.pool, vk::CommandPoolResetFlags::empty()).during("vkResetCommandPool")?;
+            self.attempt("vkBeginCommandBuffer")?;
             self.raw.begin_command_buffer(queue.commands, &begin).during("vkBeginCommandBuffer")?;
         }
         let mut passes = Passes::new(&self.raw, queue.commands);
@@ -108,12 +106,26 @@ impl Device {
             .signal_semaphores(&around.signal)];
         // SAFETY: as above; the resources that the passes use are borrowed by `passes` until after the wait.
         unsafe {
+            self.attempt("vkEndCommandBuffer")?;
             self.raw.end_command_buffer(queue.commands).during("vkEndCommandBuffer")?;
+            self.attempt("vkResetFences")?;
             self.raw.reset_fences(&[queue.fence]).during("vkResetFences")?;
+            self.attempt("vkQueueSubmit")?;
             self.raw.queue_submit(queue.raw, &submit, queue.fence).during("vkQueueSubmit")?;
-            let waited = self.raw.wait_for_fences(&[queue.fence], true, PATIENCE.as_nanos() as u64);
-            // Whatever the trouble, nothing that the passes use may be released while the GPU still runs.
-            waited.inspect_err(|_| self.raw.device_wait_idle().unwrap_or(())).during("vkWaitForFences")
+            let waited = self.attempt("vkWaitForFences").and_then(|()| {
+                let waited = self.raw.wait_for_fences(&[queue.fence], true, PATIENCE.as_nanos() as u64);
+                waited.during("vkWaitForFences")
+            });
+            match waited {
+                // Whatever the trouble, nothing that the passes use may be released while the GPU still runs. Once it is
+                // idle all has been done: only the waiting has failed, and whoever were told so would do it twice.
+                Err(VulkanError::OutOfMemory(_)) => self.raw.device_wait_idle().during("vkDeviceWaitIdle"),
+                Err(error) => {
+                    let _ = self.raw.device_wait_idle();
+                    Err(error)
+                }
+                Ok(()) => Ok(()),
+            }
         }
     }
 }

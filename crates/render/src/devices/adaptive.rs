@@ -36,6 +36,12 @@ impl Blocks {
         Self { width, height, words: vec![0; blocks.div_ceil(32)] }
     }
 
+    /// Blocks that rest as `words` say; `None` if these are not as many as such a picture has.
+    pub(crate) fn from_words(width: u32, height: u32, words: Vec<u32>) -> Option<Self> {
+        let empty = Self::new(width, height);
+        (words.len() == empty.words.len()).then_some(Self { words, ..empty })
+    }
+
     /// Bits of the blocks, row by row, 32 to a word, lowest first, as the kernels read them: 1 where a block rests.
     pub fn words(&self) -> &[u32] {
         &self.words

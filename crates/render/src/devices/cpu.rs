@@ -176,6 +176,11 @@ impl Session for CpuSession {
         Ok(done.into_inner())
     }
 
+    fn set_film(&mut self, film: &Film) -> Result<(), DeviceError> {
+        self.films.shown_mut().pixels_mut().copy_from_slice(film.pixels());
+        Ok(())
+    }
+
     fn rest(&mut self, blocks: Option<&Blocks>) -> Result<(), DeviceError> {
         self.resting = blocks.map(|blocks| blocks.words().to_vec()).unwrap_or_default();
         Ok(())

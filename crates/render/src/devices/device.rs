@@ -49,6 +49,7 @@ pub trait Session: Send {
 
     /// Adds the samples `samples` to the pixels of `rows`, from the first row on, and waits for them. Where `stop`, which
     /// is asked as often as the device can, says so, the last rows go without; one at least is done. Returns how many are.
+    /// An error means that no row has got any.
     fn add_samples_until(
         &mut self,
         rows: Range<u32>,
@@ -60,6 +61,9 @@ pub trait Session: Send {
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
         self.add_samples_until(rows, samples, &|| false).map(|_| ())
     }
+
+    /// Puts the sums of `film`, which is as large, into the film that is shown, in place of its own.
+    fn set_film(&mut self, film: &Film) -> Result<(), DeviceError>;
 
     /// Makes ready what [`Session::add_samples`] needs, which takes a while where a driver compiles kernels.
     fn prepare(&mut self) -> Result<(), DeviceError> {
@@ -131,6 +135,13 @@ pub enum DeviceError {
     /// The machine refused threads or the like.
     #[error("{0}")]
     Host(String),
+}
+
+impl DeviceError {
+    /// Whether the device has too little memory left for what it was to do: less may fit.
+    pub fn is_out_of_memory(&self) -> bool {
+        matches!(self, Self::Vulkan(VulkanError::OutOfMemory(_) | VulkanError::NoRoom { .. }))
+    }
 }
 
 /// A line of `raggio devices`.

@@ -304,11 +304,25 @@ impl Session for VulkanSession {
             };
             let groups = entry.groups(&work);
             let sets = [&band.set, &self.resident.set];
-            self.kernels.context.run(|passes| {
+            let added = self.kernels.context.run(|passes| {
                 passes.compute(&pipeline, &sets, bytemuck::bytes_of(&work), groups);
-            })?;
+            });
+            match added {
+                // Rows before have their samples, and whoever is told of an error would give them once more.
+                Err(_) if first > rows.start => return Ok(first - rows.start),
+                added => added?,
+            }
         }
         Ok(rows.len() as u32)
+    }
+
+    fn set_film(&mut self, film: &Film) -> Result<(), DeviceError> {
+        for band in self.films.shown() {
+            let width = self.work.width as usize;
+            let pixels = &film.pixels()[band.rows.start as usize * width..band.rows.end as usize * width];
+            band.film.write(bytemuck::cast_slice(pixels))?;
+        }
+        Ok(())
     }
 
     fn rest(&mut self, blocks: Option<&Blocks>) -> Result<(), DeviceError> {

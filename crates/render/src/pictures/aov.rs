@@ -134,12 +134,19 @@ impl Features {
         mut proceed: impl FnMut() -> ControlFlow<()>,
     ) -> Result<Self, DeviceError> {
         let mut features = Self::default();
-        while !features.advance(renderer, wanted, samples, f64::INFINITY)? {
+        let mut is_second_try = false;
+        loop {
+            match features.advance(renderer, wanted, samples, f64::INFINITY) {
+                Ok(true) => return Ok(features),
+                Ok(false) => is_second_try = false,
+                // Less of it may fit.
+                Err(error) if error.is_out_of_memory() && !is_second_try => is_second_try = true,
+                Err(error) => return Err(error),
+            }
             if proceed().is_break() {
                 samples = 1;
             }
         }
-        Ok(features)
     }
 
     /// Renders one portion, of about `seconds`, of the first of `wanted` that is not there yet. Returns whether all are
@@ -160,12 +167,15 @@ impl Features {
         let (shown, target) = (renderer.feature(), renderer.target());
         renderer.show(feature)?;
         renderer.set_target(if feature.is_index() { 1 } else { samples });
-        renderer.advance_for(seconds)?;
-        if renderer.finished() {
-            self.films.insert(feature as u32, renderer.film()?);
+        let film = renderer.advance_for(seconds).and_then(|_| renderer.finished().then(|| renderer.film()).transpose());
+        if film.is_err() {
+            renderer.begin_small();
         }
         renderer.set_target(target);
         renderer.show(shown)?;
+        if let Some(film) = film? {
+            self.films.insert(feature as u32, film);
+        }
         Ok(wanted.iter().all(|feature| self.films.contains_key(&(*feature as u32))))
     }
 

@@ -8,6 +8,7 @@ use raggio_kernels::{FilmPixel, FixedSum};
 use crate::pictures::linear_image::Image;
 
 pub use file::FilmError;
+pub(crate) use label::Note;
 pub use label::{Label, MergeError, Portion};
 
 /// Sum and count of the samples of each pixel.
@@ -60,6 +61,16 @@ impl Film {
     /// Label that says which picture the film is of, and which samples it has; `None` for sums alone.
     pub fn label(&self) -> Option<&Label> {
         self.label.as_ref()
+    }
+
+    /// The film with these notes on its label, if it has one.
+    pub(crate) fn with_notes(self, notes: Vec<Note>) -> Self {
+        Self { label: self.label.map(|label| label.with_notes(notes)), ..self }
+    }
+
+    /// Samples that are missing up to the last that the film has; empty for films without labels.
+    pub fn missing(&self) -> Vec<Portion> {
+        self.label.as_ref().map(|label| label.missing(self.height)).unwrap_or_default()
     }
 
     /// Width in pixels.

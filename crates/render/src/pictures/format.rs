@@ -11,6 +11,8 @@ choice! {
         Png = "png",
         /// linear radiance: unclamped, 32-bit floating point, with layers
         Exr = "exr",
+        /// sums of samples: adds up with films of other samples, to the picture of all
+        Film = "film",
     }
 }
 

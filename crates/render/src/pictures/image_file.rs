@@ -92,6 +92,11 @@ impl ImageFile {
         self.file.check_apart(inputs).map_err(|source| OutputError::Unwritable { path: self.path().into(), source })
     }
 
+    /// Whether the file holds a film, which needs a [label](crate::Film::label), and no picture.
+    pub fn is_film(&self) -> bool {
+        self.format == PictureFormat::Film
+    }
+
     /// Whether the file can hold layers and metadata beside the picture.
     pub fn has_layers(&self) -> bool {
         self.format.has_layers()
@@ -120,6 +125,7 @@ impl ImageFile {
     /// # Errors
     /// An [`OutputError`] when the file cannot be written.
     pub fn write_with(&self, film: &Film, display: Display, extras: &Extras) -> Result<(), OutputError> {
+        let unwritable = |source| OutputError::Unwritable { path: self.path().into(), source };
         let mut bytes = io::Cursor::new(Vec::new());
         let size = [film.width(), film.height()];
         match (self.format, self.png_bits) {
@@ -130,9 +136,12 @@ impl ImageFile {
                 encode_16_bits(size, &displayed_16_bits(film, display), &mut bytes)
             }
             (PictureFormat::Exr, _) => write_exr(film, extras, &mut bytes),
+            (PictureFormat::Film, _) => {
+                return self.file.write_with(&|to| film.write_to(to, &[])).map_err(unwritable);
+            }
         }
         .and_then(|()| self.file.write(bytes.get_ref()))
-        .map_err(|source| OutputError::Unwritable { path: self.path().into(), source })
+        .map_err(unwritable)
     }
 }
 
@@ -162,8 +171,7 @@ fn write_exr(film: &Film, extras: &Extras, to: &mut io::Cursor<Vec<u8>>) -> io::
     let channels = AnyChannels::sort(colors.chain(others).collect());
     let mut image = exr::prelude::Image::from_channels((width, height), channels);
     let attributes = &mut image.layer_data.attributes;
-    let software = concat!("raggio ", env!("CARGO_PKG_VERSION"));
-    attributes.software_name = Some(software.into());
+    attributes.software_name = Some(concat!("raggio ", env!("CARGO_PKG_VERSION")).into());
     if let Some(metadata) = &extras.metadata {
         metadata.describe(attributes);
     }

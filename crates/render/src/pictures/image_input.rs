@@ -9,6 +9,7 @@ use exr::prelude::{ReadChannels, ReadLayers, Vec2};
 use image::{ImageDecoder, ImageReader};
 use raggio_scene::display_name;
 
+use crate::pictures::film::{Film, FilmError};
 use crate::pictures::format::PictureFormat;
 use crate::pictures::linear_image::Image;
 
@@ -56,10 +57,13 @@ pub enum InputError {
         /// Error of the format's reader.
         reason: String,
     },
+    /// A film that cannot be read.
+    #[error(transparent)]
+    Film(#[from] FilmError),
 }
 
 impl Image {
-    /// Reads an OpenEXR file, whose R, G and B are linear radiance, or a PNG, whose sRGB is made linear. Opacity is
+    /// Reads an OpenEXR file, whose R, G and B are linear radiance, a PNG, whose sRGB is made linear, or a film. Opacity is
     /// left out, and what is not a number or infinite becomes black.
     ///
     /// # Errors
@@ -68,6 +72,7 @@ impl Image {
         let (format, read): (_, Reader) = match PictureFormat::of_path(path) {
             Some(PictureFormat::Exr) => ("an OpenEXR", read_exr),
             Some(PictureFormat::Png) => ("a PNG", read_png),
+            Some(PictureFormat::Film) => return read_film(path),
             None => return Err(InputError::UnknownFormat { path: path.into() }),
         };
         let unreadable = |source| InputError::Unreadable { path: path.into(), source };
@@ -81,6 +86,15 @@ impl Image {
             Fault::Malformed(reason) => InputError::Malformed { path: path.into(), format, reason },
         })
     }
+}
+
+fn read_film(path: &Path) -> Result<Image, InputError> {
+    let film = Film::read(path)?;
+    let [width, height] = [film.width(), film.height()].map(u64::from);
+    if width * height > MOST_PIXELS {
+        return Err(InputError::TooLarge { path: path.into(), width, height });
+    }
+    Ok(film.mean())
 }
 
 /// Reader of one format.

@@ -6,6 +6,22 @@ use exr::prelude::{AttributeValue, LayerAttributes, Text};
 use glam::{DMat4, DVec4};
 use raggio_scene::{Camera, RenderSettings, Scene};
 
+use crate::pictures::film::{Film, Note};
+
+/// Settings that EXRs name, by their names in [labels](crate::Label) of films.
+const SETTINGS: [(&str, &str); 5] = [
+    ("max_depth", "maxDepth"),
+    ("seed", "seed"),
+    ("integrator", "integrator"),
+    ("sampler", "sampler"),
+    ("filter", "filter"),
+];
+
+/// Names of notes on films.
+const SCENE: &str = "scene";
+const WORLD_TO_CAMERA: &str = "worldToCamera";
+const WORLD_TO_NDC: &str = "worldToNDC";
+
 /// Record of how a picture was made.
 #[derive(Clone, Debug)]
 pub struct Metadata {
@@ -15,45 +31,89 @@ pub struct Metadata {
     pub samples: u32,
     /// Name of what removed the noise, with its version; `None` where nothing did.
     pub denoiser: Option<String>,
-    settings: RenderSettings,
-    camera: Camera,
+    /// Version of raggio that took the samples.
+    version: String,
+    /// Settings as EXRs name them, and their values.
+    settings: Vec<(&'static str, String)>,
+    /// `worldToCamera` and `worldToNDC`, as OpenEXR defines them; `None` where nobody knows.
+    camera: Option<[[f32; 16]; 2]>,
 }
 
 impl Metadata {
     /// Metadata of a picture of `scene`, which is called `name`.
     pub fn new(scene: &Scene, name: &str) -> Self {
+        let view = View { camera: &scene.camera, settings: &scene.render };
+        let camera_from_world = view.camera_from_world();
+        let RenderSettings { max_depth, seed, integrator, sampler, filter, .. } = &scene.render;
+        let values =
+            [max_depth.to_string(), seed.to_string(), integrator.to_string(), sampler.to_string(), filter.to_string()];
         Self {
             scene: name.into(),
             samples: scene.render.samples,
             denoiser: None,
-            settings: scene.render.clone(),
-            camera: scene.camera.clone(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            settings: SETTINGS.iter().map(|(_, name)| *name).zip(values).collect(),
+            camera: Some([camera_from_world, view.ndc_from_camera() * camera_from_world].map(row_vectors)),
         }
+    }
+
+    /// Metadata of a picture that is made of a film from a file; `None` for films without labels.
+    pub fn of_film(film: &Film) -> Option<Self> {
+        let label = film.label()?;
+        let setting = |(key, name): &(&str, &'static str)| {
+            label.settings().find(|(known, _)| known == key).map(|(_, value)| (*name, value.to_owned()))
+        };
+        let matrix = |name: &str| label.note(name).and_then(|bytes| bytemuck::try_pod_read_unaligned(bytes).ok());
+        let camera = matrix(WORLD_TO_CAMERA).zip(matrix(WORLD_TO_NDC));
+        Some(Self {
+            scene: String::from_utf8_lossy(label.note(SCENE).unwrap_or_default()).into_owned(),
+            samples: film.pixels().iter().map(|pixel| pixel.samples).max().unwrap_or(0),
+            denoiser: None,
+            version: label.version().into(),
+            settings: SETTINGS.iter().filter_map(setting).collect(),
+            camera: camera.map(|(camera, ndc): ([u32; 16], [u32; 16])| {
+                [camera, ndc].map(|matrix| matrix.map(|word| f32::from_bits(u32::from_le(word))))
+            }),
+        })
+    }
+
+    /// Notes for a film, from which [`Metadata::of_film`] knows what its label does not say.
+    pub(crate) fn notes(&self) -> Vec<Note> {
+        let bytes = |matrix: &[f32; 16]| matrix.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<_>>();
+        let mut notes = vec![Note::new(SCENE, self.scene.as_bytes())];
+        if let Some([camera, ndc]) = &self.camera {
+            notes.push(Note::new(WORLD_TO_CAMERA, bytes(camera)));
+            notes.push(Note::new(WORLD_TO_NDC, bytes(ndc)));
+        }
+        notes
     }
 
     /// Writes the metadata into the header of a layer.
     pub(crate) fn describe(&self, attributes: &mut LayerAttributes) {
-        let camera_from_world = self.camera_from_world();
-        attributes.world_to_camera = Some(row_vectors(camera_from_world));
-        attributes.world_to_normalized_device = Some(row_vectors(self.ndc_from_camera() * camera_from_world));
+        attributes.software_name = Some(format!("raggio {}", self.version).as_str().into());
+        if let Some([camera, ndc]) = self.camera {
+            attributes.world_to_camera = Some(camera);
+            attributes.world_to_normalized_device = Some(ndc);
+        }
         // OpenEXR's texts are UTF-8; the library would make Latin-1 of them.
         let text = |value: &str| AttributeValue::Text(Text::from_slice_unchecked(value.as_bytes()));
-        let number = |value: u32| text(&value.to_string());
-        let mut other: HashMap<&str, AttributeValue> = HashMap::from([
-            ("scene", text(&self.scene)),
-            ("samples", number(self.samples)),
-            ("maxDepth", number(self.settings.max_depth)),
-            ("seed", number(self.settings.seed)),
-            ("integrator", text(self.settings.integrator.name())),
-            ("sampler", text(self.settings.sampler.name())),
-            ("filter", text(self.settings.filter.name())),
-        ]);
+        let mut other: HashMap<&str, AttributeValue> =
+            HashMap::from([("scene", text(&self.scene)), ("samples", text(&self.samples.to_string()))]);
+        other.extend(self.settings.iter().map(|(name, value)| (*name, text(value))));
         if let Some(denoiser) = &self.denoiser {
             other.insert("denoiser", text(denoiser));
         }
         attributes.other.extend(other.into_iter().map(|(name, value)| (Text::from(name), value)));
     }
+}
 
+/// What the matrices of a picture are made of.
+struct View<'a> {
+    camera: &'a Camera,
+    settings: &'a RenderSettings,
+}
+
+impl View<'_> {
     /// Map from the world to the camera as OpenEXR has it: left-handed, x to the right, y up, z where the camera looks.
     fn camera_from_world(&self) -> DMat4 {
         let eye = self.camera.position.as_dvec3();

@@ -1,13 +1,16 @@
 //! Files that are written whole or not at all.
 
 use std::collections::BTreeSet;
+use std::ffi::OsString;
 use std::fs::{File, Metadata};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use raggio_scene::display_name;
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempPath};
+
+use crate::pictures::file_faults::{Sink, attempt};
 
 /// Most links that are followed from a name to a file, as systems have it.
 const MOST_LINKS: usize = 40;
@@ -92,24 +95,75 @@ impl OutputFile {
     /// The system's error when the file cannot be written to its place; it names the file in the refuge if there is one,
     /// and otherwise nothing is left of it.
     pub fn write(&self, bytes: &[u8]) -> io::Result<()> {
+        self.write_with(&|to| to.write_all(bytes))
+    }
+
+    /// Writes what `write` writes as [`OutputFile::write`] does; for the refuge it is asked once more.
+    pub(crate) fn write_with(&self, write: &dyn Fn(&mut Sink) -> io::Result<()>) -> io::Result<()> {
         let folder = self.place().and_then(Path::parent).map_or(Ok(()), std::fs::create_dir_all);
-        let written = folder.and_then(|()| self.target.write(|file| file.write_all(bytes)));
-        written.map_err(|error| match self.rescue(bytes) {
+        folder.and_then(|()| self.target.write(write)).map_err(|error| match self.rescue(write) {
             Some(path) => io::Error::new(error.kind(), format!("{error}: it is in {} instead", display_name(&path))),
             None => error,
         })
     }
 
     /// Writes a file into the refuge, if that is another folder than the file's own. Returns its name there.
-    fn rescue(&self, bytes: &[u8]) -> Option<PathBuf> {
+    fn rescue(&self, write: &dyn Fn(&mut Sink) -> io::Result<()>) -> Option<PathBuf> {
         let name = Path::new(self.place()?.file_name()?);
         let folder = self.refuge.as_deref().filter(|folder| self.place().and_then(Path::parent) != Some(folder))?;
-        let mut temporary = Temporary::new(folder).ok()?;
-        temporary.file().and_then(|file| file.write_all(bytes).and_then(|()| file.sync_all())).ok()?;
-        let ending = name.extension().map(|ending| format!(".{}", ending.to_string_lossy())).unwrap_or_default();
-        let stem = name.file_stem()?.to_string_lossy();
-        let numbered = (2..=MOST_NAMES).map(|number| PathBuf::from(format!("{stem}-{number}{ending}")));
-        std::iter::once(name.to_path_buf()).chain(numbered).find(|name| temporary.take_free(&folder.join(name)))
+        let path = write_free(folder, name, write).ok()?;
+        path.file_name().map(PathBuf::from)
+    }
+}
+
+/// Writes what `write` writes into `folder`, whole or not at all, under `name` or the next that is free: `NAME-2.film`.
+/// Returns the path that it has got.
+pub(crate) fn write_free(
+    folder: &Path,
+    name: &Path,
+    write: &dyn Fn(&mut Sink) -> io::Result<()>,
+) -> io::Result<PathBuf> {
+    let mut temporary = Temporary::new(folder)?;
+    write(&mut temporary.sink()?)?;
+    temporary.sync()?;
+    let ending = name.extension().map(|ending| format!(".{}", ending.to_string_lossy())).unwrap_or_default();
+    let stem = name.file_stem().unwrap_or_default().to_string_lossy();
+    let numbered = (2..=MOST_NAMES).map(|number| PathBuf::from(format!("{stem}-{number}{ending}")));
+    let names = std::iter::once(name.to_path_buf()).chain(numbered);
+    names
+        .map(|name| folder.join(name))
+        .find(|path| temporary.take_free(path))
+        .ok_or_else(|| io::ErrorKind::AlreadyExists.into())
+}
+
+/// Path that `path` leads to, from the root and without links, of a file that may be written there.
+///
+/// # Errors
+/// The system's error when the folder cannot be written to, and one of ours where the path is a device.
+pub(crate) fn place_of(path: &Path) -> io::Result<PathBuf> {
+    match Target::of(path)? {
+        Target::Stream(_) => Err(io::Error::other("it is a device: give a file")),
+        Target::File(place) => Temporary::beside(&place).map(|_| place),
+    }
+}
+
+/// Path with more at its end: `NAME.png` becomes `NAME.png.part`.
+pub(crate) fn appended(path: &Path, ending: &str) -> PathBuf {
+    let mut name = OsString::from(path);
+    name.push(ending);
+    name.into()
+}
+
+/// Writes to `place`, whole or not at all, what `write` writes; the file that was there becomes `kept`. The temporary name
+/// is always the same, `PLACE.part`, so that what a killed program leaves is replaced by the next.
+pub(crate) fn write_keeping(place: &Path, kept: &Path, write: &dyn Fn(&mut Sink) -> io::Result<()>) -> io::Result<()> {
+    place.parent().map_or(Ok(()), std::fs::create_dir_all)?;
+    let mut temporary = Temporary::at(appended(place, ".part"))?;
+    write(&mut temporary.sink()?)?;
+    temporary.sync()?;
+    match attempt().and_then(|()| std::fs::rename(place, kept)) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => temporary.replace(place),
     }
 }
 
@@ -128,12 +182,12 @@ pub fn abandon_files() {
 /// # Errors
 /// The system's error when the file cannot be written.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    write_whole_with(path, |file| file.write_all(bytes))
+    write_whole_with(path, |to| to.write_all(bytes))
 }
 
 /// Writes to `path`, whole or not at all as [`write_whole`] does, the bytes that `write` writes; they need not be in
 /// memory together.
-pub(crate) fn write_whole_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+pub(crate) fn write_whole_with(path: &Path, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> io::Result<()> {
     Target::of(path)?.write(write)
 }
 
@@ -165,10 +219,10 @@ impl Target {
         Err(io::Error::other("its links lead nowhere"))
     }
 
-    fn write(&self, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+    fn write(&self, write: impl FnOnce(&mut Sink) -> io::Result<()>) -> io::Result<()> {
         let place = match self {
             // What has been written to an open file before stays.
-            Self::Stream(path) => return write(&mut File::options().append(true).open(path)?),
+            Self::Stream(path) => return write(&mut Sink(&mut File::options().append(true).open(path)?)),
             Self::File(place) => place,
         };
         let mut temporary = Temporary::beside(place)?;
@@ -178,7 +232,8 @@ impl Target {
             let mode = replaced.permissions().mode() & 0o777;
             temporary.file()?.set_permissions(std::fs::Permissions::from_mode(mode))?;
         }
-        write(temporary.file()?)?;
+        write(&mut temporary.sink()?)?;
+        temporary.sync()?;
         temporary.replace(place)
     }
 }
@@ -268,9 +323,25 @@ impl Temporary {
         // Permissions are those of any new file: the temporary one would be for its owner alone.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        attempt()?;
         let mut unfinished = unfinished();
         let file = builder.tempfile_in(folder).map_err(|e| of_system(&e))?;
         let path = file.path().to_path_buf();
+        unfinished.insert(path.clone());
+        Ok(Self { file: Some(file), path })
+    }
+
+    /// A file at `path`, in place of one that a program before has left there.
+    fn at(path: PathBuf) -> io::Result<Self> {
+        attempt()?;
+        let mut unfinished = unfinished();
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+        // A link that somebody has put there meanwhile is not followed.
+        let file = File::options().write(true).create_new(true).open(&path)?;
+        let file = NamedTempFile::from_parts(file, TempPath::try_from_path(&path)?);
         unfinished.insert(path.clone());
         Ok(Self { file: Some(file), path })
     }
@@ -279,15 +350,31 @@ impl Temporary {
         self.file.as_mut().map(NamedTempFile::as_file_mut).ok_or_else(|| io::ErrorKind::NotFound.into())
     }
 
-    /// Puts the file, once all of it has reached the disk, in the place of whatever is there.
+    fn sink(&mut self) -> io::Result<Sink<'_>> {
+        self.file().map(Sink)
+    }
+
+    /// Waits until all of the file has reached the disk.
+    fn sync(&mut self) -> io::Result<()> {
+        attempt()?;
+        self.file()?.sync_all()
+    }
+
+    /// Puts the file in the place of whatever is there.
     fn replace(mut self, place: &Path) -> io::Result<()> {
-        self.file()?.sync_all()?;
-        let _unfinished = unfinished();
-        self.file.take().map_or(Ok(()), |file| file.persist(place).map(drop).map_err(|e| e.error))
+        attempt()?;
+        let unfinished = unfinished();
+        self.file.take().map_or(Ok(()), |file| file.persist(place).map(drop).map_err(|e| e.error))?;
+        drop(unfinished);
+        sync_folder_of(place);
+        Ok(())
     }
 
     /// Gives the file a name that is free, if this one is. Returns whether it was.
     fn take_free(&mut self, place: &Path) -> bool {
+        if attempt().is_err() {
+            return false;
+        }
         let _unfinished = unfinished();
         let Some(file) = self.file.take() else { return false };
         match file.persist_noclobber(place) {
@@ -306,6 +393,14 @@ impl Drop for Temporary {
         self.file = None;
         unfinished.remove(&self.path);
     }
+}
+
+/// Waits until a name has reached the disk, where the system can: the file itself has.
+fn sync_folder_of(place: &Path) {
+    #[cfg(unix)]
+    let _ = place.parent().map(|folder| File::open(folder).and_then(|folder| folder.sync_all()));
+    #[cfg(not(unix))]
+    let _ = place;
 }
 
 /// The system's own words: `tempfile` puts the name of a temporary file behind them, which nobody has asked for.

@@ -6,6 +6,7 @@ use crate::pictures::display::Display;
 use crate::pictures::film::Film;
 use crate::pictures::image_file::{Extras, ImageFile, OutputError};
 use crate::pictures::linear_image::Image;
+use crate::pictures::metadata::Metadata;
 
 /// A film with what is told beside it.
 #[derive(Clone, Debug)]
@@ -28,6 +29,12 @@ pub(crate) struct Guides {
 }
 
 impl Picture {
+    /// Picture of a film that was read from a file: without layers, and with the metadata that the film knows.
+    pub fn of_film(film: Film) -> Self {
+        let metadata = Metadata::of_film(&film);
+        Self { film, extras: Extras { channels: vec![], metadata }, guides: None }
+    }
+
     /// Writes the picture, whole or not at all; PNGs are made as `display` says.
     ///
     /// # Errors

@@ -128,7 +128,8 @@ impl Viewer {
         let (film, has) = self.tracer.radiance()?;
         let samples = request.samples.unwrap_or(has).max(1);
         let name = self.document.source().file_name().unwrap_or_default().to_string_lossy();
-        if samples == has && size == [film.width(), film.height()] {
+        // A film says what it is of, which the window's does not know.
+        if samples == has && !file.is_film() && size == [film.width(), film.height()] {
             export::write(&file, &film, display, Metadata::new(self.tracer.scene(), &name))?;
             let samples = counted(samples as usize, "sample");
             self.notices.done(format!("wrote {}, {samples} per pixel", file.path().display()));

@@ -8,16 +8,18 @@ use raggio_kernels::FilmPixel;
 use raggio_scene::display_name;
 
 use crate::devices::machine::{TooLarge, check_memory};
-use crate::pictures::film::label::{Label, Portion};
+use crate::pictures::film::label::{Label, Note, Portion};
 use crate::pictures::film::{Film, film_bytes};
 use crate::pictures::output_file::write_whole_with;
 
 /// First bytes: no text begins so, and a transfer that changes line endings changes them.
 const MAGIC: [u8; 8] = *b"\x89FILM\r\n\x1a";
 /// Version of the format.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Most bytes of a text, and most entries of a list, that a header is believed.
 const LONGEST: u32 = 1 << 16;
+/// Most bytes of a note's value: the blocks of the largest film that rest.
+const LONGEST_NOTE: u32 = 1 << 24;
 /// Longest side of a film in pixels.
 const LONGEST_SIDE: u32 = 1 << 16;
 /// Bytes that are read at a time: no more memory is taken for a file than it has.
@@ -83,6 +85,22 @@ pub enum FilmError {
     },
 }
 
+impl FilmError {
+    /// The error with `path` in place of its own, which users know by another name.
+    pub(crate) fn at(mut self, name: &Path) -> Self {
+        match &mut self {
+            Self::Unreadable { path, .. }
+            | Self::NotAFilm { path }
+            | Self::Version { path, .. }
+            | Self::Damaged { path, .. }
+            | Self::TooLarge { path, .. }
+            | Self::Unwritable { path, .. } => *path = name.into(),
+            Self::Unlabelled => {}
+        }
+        self
+    }
+}
+
 /// Something wrong with a file whose path is not known yet.
 enum Fault {
     System(io::Error),
@@ -98,23 +116,34 @@ impl Film {
     /// # Errors
     /// A [`FilmError`] when the film has no label, or the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), FilmError> {
-        let label = self.label().ok_or(FilmError::Unlabelled)?;
-        let written = write_whole_with(path, |file| {
-            let mut to = Hashing { inner: file, hasher: blake3::Hasher::new() };
-            to.write_all(&header(self, label))?;
-            // Pixels are words without padding; on machines with the other byte order they are turned.
-            for pixels in self.pixels().chunks(CHUNK / size_of::<FilmPixel>()) {
-                if cfg!(target_endian = "little") {
-                    to.write_all(bytemuck::cast_slice(pixels))?;
-                } else {
-                    let words: &[u32] = bytemuck::cast_slice(pixels);
-                    to.write_all(&words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>())?;
-                }
-            }
-            let checksum = to.hasher.finalize();
-            to.inner.write_all(checksum.as_bytes())
-        });
+        if self.label().is_none() {
+            return Err(FilmError::Unlabelled);
+        }
+        let written = write_whole_with(path, |to| self.write_to(to, &[]));
         written.map_err(|source| FilmError::Unwritable { path: path.into(), source })
+    }
+
+    /// Writes the film as [`Film::write`] does, with `more` notes, to a file that is open.
+    pub(crate) fn write_to(&self, to: &mut impl Write, more: &[Note]) -> io::Result<()> {
+        let label = self.label().ok_or_else(|| io::Error::other(FilmError::Unlabelled))?;
+        self.write_as(label, to, more)
+    }
+
+    /// Writes the film with another label than its own to a file that is open.
+    pub(crate) fn write_as(&self, label: &Label, to: &mut impl Write, more: &[Note]) -> io::Result<()> {
+        let mut to = Hashing { inner: to, hasher: blake3::Hasher::new() };
+        to.write_all(&header(self, label, more))?;
+        // Pixels are words without padding; on machines with the other byte order they are turned.
+        for pixels in self.pixels().chunks(CHUNK / size_of::<FilmPixel>()) {
+            if cfg!(target_endian = "little") {
+                to.write_all(bytemuck::cast_slice(pixels))?;
+            } else {
+                let words: &[u32] = bytemuck::cast_slice(pixels);
+                to.write_all(&words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>())?;
+            }
+        }
+        let checksum = to.hasher.finalize();
+        to.inner.write_all(checksum.as_bytes())
     }
 
     /// Reads a film that [`Film::write`] has written.
@@ -123,6 +152,11 @@ impl Film {
     /// A [`FilmError`] when the file cannot be read, is no film or one of a later format, is damaged in any byte or cut
     /// short, or needs more memory than the machine has.
     pub fn read(path: &Path) -> Result<Self, FilmError> {
+        Self::read_with_notes(path).map(|(film, _)| film)
+    }
+
+    /// Reads a film, and those of its notes that belong to the file alone.
+    pub(crate) fn read_with_notes(path: &Path) -> Result<(Self, Vec<Note>), FilmError> {
         let path_of = || path.to_path_buf();
         let read = File::open(path).map_err(Fault::System).and_then(|file| from_reader(BufReader::new(file)));
         read.map_err(|fault| match fault {
@@ -136,7 +170,7 @@ impl Film {
 }
 
 /// Bytes of a film's file before the pixels.
-fn header(film: &Film, label: &Label) -> Vec<u8> {
+fn header(film: &Film, label: &Label, more: &[Note]) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
     let word = |bytes: &mut Vec<u8>, word: u32| bytes.extend(word.to_le_bytes());
     let text = |bytes: &mut Vec<u8>, text: &str| {
@@ -159,10 +193,16 @@ fn header(film: &Film, label: &Label) -> Vec<u8> {
             word(&mut bytes, number);
         }
     }
+    word(&mut bytes, (label.notes.len() + more.len()) as u32);
+    for Note { name, value } in label.notes.iter().chain(more) {
+        text(&mut bytes, name);
+        word(&mut bytes, value.len() as u32);
+        bytes.extend(value);
+    }
     bytes
 }
 
-fn from_reader(from: impl Read) -> Result<Film, Fault> {
+fn from_reader(from: impl Read) -> Result<(Film, Vec<Note>), Fault> {
     let mut from = Hashing { inner: from, hasher: blake3::Hasher::new() };
     let mut magic = [0; MAGIC.len()];
     match from.read_exact(&mut magic) {
@@ -192,6 +232,11 @@ fn from_reader(from: impl Read) -> Result<Film, Fault> {
         }
         portions.push(portion);
     }
+    let mut notes = vec![];
+    for _ in 0..from.length()? {
+        notes.push(Note { name: from.text()?, value: from.note()? });
+    }
+    let (own, notes) = notes.into_iter().partition(|note: &Note| note.belongs_to_file());
     check_memory(width, height).map_err(Fault::TooLarge)?;
 
     let pixels = from.pixels(width, height)?;
@@ -204,7 +249,8 @@ fn from_reader(from: impl Read) -> Result<Film, Fault> {
     if from.inner.read(&mut [0]).map_err(Fault::System)? > 0 {
         return Err(damaged("it goes on after its end".into()));
     }
-    Ok(Film::from_pixels(width, height, pixels).with_label(Label { version, scene, settings, portions }))
+    let label = Label { version, scene, settings, portions, notes };
+    Ok((Film::from_pixels(width, height, pixels).with_label(label), own))
 }
 
 fn damaged(reason: String) -> Fault {
@@ -261,6 +307,21 @@ impl<T: Read> Hashing<T> {
         let mut bytes = vec![0; self.length()? as usize];
         self.fill(&mut bytes)?;
         String::from_utf8(bytes).map_err(|_| damaged("a text in it is not UTF-8".into()))
+    }
+
+    /// Value of a note.
+    fn note(&mut self) -> Result<Vec<u8>, Fault> {
+        let length = self.word()?;
+        if length > LONGEST_NOTE {
+            return Err(damaged(format!("a note in it has {length} bytes")));
+        }
+        let mut bytes = vec![];
+        while bytes.len() < length as usize {
+            let start = bytes.len();
+            bytes.resize((length as usize).min(start + CHUNK), 0);
+            self.fill(&mut bytes[start..])?;
+        }
+        Ok(bytes)
     }
 
     fn pixels(&mut self, width: u32, height: u32) -> Result<Vec<FilmPixel>, Fault> {

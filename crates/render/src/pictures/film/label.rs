@@ -20,6 +20,28 @@ pub struct Label {
     pub(super) scene: [u8; 32],
     pub(super) settings: Vec<(String, String)>,
     pub(super) portions: Vec<Portion>,
+    pub(super) notes: Vec<Note>,
+}
+
+/// What a film says besides; films may be merged whatever their notes are.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Note {
+    pub name: String,
+    pub value: Vec<u8>,
+}
+
+impl Note {
+    /// Name of the note by which a render goes on from the film: it is right of the very file that has it.
+    pub const SAMPLING: &str = "sampling";
+
+    pub fn new(name: &str, value: impl Into<Vec<u8>>) -> Self {
+        Self { name: name.into(), value: value.into() }
+    }
+
+    /// Whether the note is no longer true of a film to which others have been added.
+    pub fn belongs_to_file(&self) -> bool {
+        self.name == Self::SAMPLING
+    }
 }
 
 /// Reasons why two films cannot be merged.
@@ -56,7 +78,8 @@ pub enum MergeError {
 impl Label {
     /// Label of a film of the scene with this hash, sampled with `settings` as keys and values.
     pub(crate) fn new(scene: [u8; 32], settings: Vec<(String, String)>, portions: Vec<Portion>) -> Self {
-        let mut label = Self { version: env!("CARGO_PKG_VERSION").into(), scene, settings, portions: vec![] };
+        let mut label =
+            Self { version: env!("CARGO_PKG_VERSION").into(), scene, settings, portions: vec![], notes: vec![] };
         portions.into_iter().for_each(|portion| label.add(portion));
         label
     }
@@ -82,6 +105,39 @@ impl Label {
         &self.portions
     }
 
+    /// Value of a note.
+    pub(crate) fn note(&self, name: &str) -> Option<&[u8]> {
+        self.notes.iter().find(|note| note.name == name).map(|note| &note.value[..])
+    }
+
+    /// The label with these notes in place of its own.
+    pub(crate) fn with_notes(self, notes: Vec<Note>) -> Self {
+        Self { notes, ..self }
+    }
+
+    /// Samples of a film of `height` rows that are missing up to the last that it has; no two portions have one in
+    /// common.
+    pub fn missing(&self, height: u32) -> Vec<Portion> {
+        let mut bounds: Vec<u32> = self.portions.iter().flat_map(|p| [p.samples.start, p.samples.end]).collect();
+        bounds.push(0);
+        bounds.sort_unstable();
+        bounds.dedup();
+        let mut missing = Self { portions: vec![], ..self.clone() };
+        for samples in bounds.windows(2).map(|pair| pair[0]..pair[1]) {
+            let has = |p: &&Portion| p.samples.start <= samples.start && p.samples.end >= samples.end;
+            // Portions are in the order of their rows where they have the same samples, and share none.
+            let mut rows: Vec<_> = self.portions.iter().filter(has).map(|p| p.rows.clone()).collect();
+            rows.sort_by_key(|rows| rows.start);
+            rows.push(height..height);
+            let mut top = 0;
+            for covered in rows {
+                missing.add(Portion { samples: samples.clone(), rows: top..covered.start });
+                top = covered.end;
+            }
+        }
+        missing.portions
+    }
+
     /// Takes the portions of `other` in, if that is a label of the same picture and has other samples.
     pub(super) fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
         self.check_same_picture(other)?;
@@ -90,6 +146,11 @@ impl Label {
             return Err(MergeError::Overlap(common));
         }
         other.portions.iter().cloned().for_each(|portion| self.add(portion));
+        for note in &other.notes {
+            if self.note(&note.name).is_none() {
+                self.notes.push(note.clone());
+            }
+        }
         Ok(())
     }
 
@@ -97,7 +158,7 @@ impl Label {
     ///
     /// # Errors
     /// A [`MergeError`] when they are of different pictures, or of one that was sampled in different ways.
-    pub(super) fn check_same_picture(&self, other: &Self) -> Result<(), MergeError> {
+    pub(crate) fn check_same_picture(&self, other: &Self) -> Result<(), MergeError> {
         if self.version != other.version {
             return Err(MergeError::Version(self.version.clone(), other.version.clone()));
         }
@@ -130,6 +191,12 @@ impl Label {
 }
 
 impl Portion {
+    /// The portion in words, in a film of `height` rows: without its rows where they are all.
+    pub fn within(&self, height: u32) -> String {
+        let Self { samples, rows } = self;
+        if *rows == (0..height) { format!("samples {}..{}", samples.start, samples.end) } else { self.to_string() }
+    }
+
     pub(super) fn is_empty(&self) -> bool {
         self.samples.is_empty() || self.rows.is_empty()
     }
@@ -181,6 +248,17 @@ mod tests {
         assert_eq!(label.portions(), [portion(0..12, 0..9)]);
         label.add(portion(12..12, 0..9));
         assert_eq!(label.portions(), [portion(0..12, 0..9)]);
+    }
+
+    #[test]
+    fn what_is_missing_is_named() {
+        assert_eq!(label(&[portion(0..4, 0..9)]).missing(9), []);
+        assert_eq!(label(&[]).missing(9), []);
+        let label = label(&[portion(2..4, 0..9), portion(8..12, 0..9), portion(12..13, 0..3), portion(12..13, 5..9)]);
+        assert_eq!(label.missing(9), [portion(0..2, 0..9), portion(4..8, 0..9), portion(12..13, 3..5)]);
+        let mut whole = label.clone();
+        label.missing(9).into_iter().for_each(|portion| whole.add(portion));
+        assert_eq!(whole.portions(), [portion(0..13, 0..9)]);
     }
 
     #[test]

@@ -75,6 +75,10 @@ impl Session for SlowSession {
         Ok(done)
     }
 
+    fn set_film(&mut self, film: &Film) -> Result<(), DeviceError> {
+        self.cpu.set_film(film)
+    }
+
     fn rest(&mut self, blocks: Option<&Blocks>) -> Result<(), DeviceError> {
         self.cpu.rest(blocks)
     }

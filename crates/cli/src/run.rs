@@ -1,0 +1,227 @@
+//! A render of the program: a request in, words and files out.
+
+use std::ops::{ControlFlow, Range};
+use std::path::Path;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+use raggio_render::{
+    DeviceError, Display, ImageFile, Observer, Phase, Picture, Progress, RenderRequest, Rendered, Rendering, Stop,
+    UNLIMITED_SAMPLES,
+};
+use raggio_scene::{Scene, counted, display_name};
+
+use crate::args::{MachineArguments, Overrides};
+use crate::error::Failure;
+use crate::files::Files;
+use crate::output::say;
+use crate::progress::{End, ProgressStyle, Reporter};
+use crate::signals::{self, Stopped};
+use crate::stats::Stats;
+
+/// A render and all that is wanted of it.
+pub struct Job<'a> {
+    pub start: Instant,
+    pub scene: Scene,
+    pub request: RenderRequest,
+    pub files: &'a Files,
+    pub machine: &'a MachineArguments,
+    pub overrides: &'a Overrides,
+    pub progress: ProgressStyle,
+}
+
+/// Renders, writes all files, and says how it went.
+pub fn run(job: Job) -> Result<(), Failure> {
+    let Job { start, mut scene, mut request, files, machine, overrides, progress } = job;
+    override_settings(&mut scene, overrides);
+    request.stop.samples = overrides.samples.map(|range| range.start..range.end);
+    let warn = |warning: &str| {
+        if !machine.quiet {
+            say(format_args!("warning: {warning}"));
+        }
+    };
+    scene.warnings.iter().for_each(|warning| warn(warning));
+    if let Some(kept) = request.checkpoints.as_ref().filter(|kept| !kept.resume && kept.path.exists()) {
+        let path = display_name(&kept.path);
+        warn(&format!(
+            "{path} is left of an earlier render: --resume goes on from it, and otherwise it will be replaced"
+        ));
+    }
+    raggio_render::check_memory(scene.render.width, scene.render.height)?;
+    let device = ready(machine.quiet, || raggio_render::open(machine.device, machine.options(), warn))?;
+    let (stop, checkpoint) = (request.stop.clone(), request.checkpoints.as_ref().map(|kept| kept.path.clone()));
+    let mut rendering = Rendering::begin(&scene, &*device, request)?;
+    ready(machine.quiet, || rendering.prepare())?;
+    let setup_seconds = start.elapsed().as_secs_f64();
+    let samples = rendering.samples();
+    let target = samples.len() as u32;
+    // The number of samples is no end to be expected where noise is to end it.
+    let expected = if stop.noise.is_none() && samples.end < UNLIMITED_SAMPLES { target } else { UNLIMITED_SAMPLES };
+    let end = End { samples: expected, time_limit: stop.time_limit };
+    let reporter = Reporter::new(machine.quiet, progress, end);
+    let (width, height) = (scene.render.width, scene.render.height);
+    reporter.say(&format!("{width}x{height}, {} on {}", describe_end(&samples, &stop), device.name()));
+    if let Some(path) = rendering.resumed() {
+        let has = counted(rendering.progress().samples as usize, "sample");
+        reporter.say(&format!("going on from {}, which has {has} per pixel", display_name(path)));
+    }
+
+    let mut listener = Listener { reporter, stopped: signals::listen(rendering.stop_flag()) };
+    let mut rendered = rendering.run(&mut listener)?;
+    let Listener { mut reporter, stopped } = listener;
+    reporter.finish();
+    let failure = rendered.failure.take();
+    let signal = stopped.signal();
+    let (picture, progress) = (&rendered.picture, &rendered.progress);
+    let target = if samples.end < UNLIMITED_SAMPLES { target } else { UNLIMITED_SAMPLES };
+    reporter.report(&picture.film, progress, if rendered.finished { progress.samples } else { target });
+    // One thing that fails is no reason to lose the others.
+    reporter.begin(Phase::Writing);
+    let mut outcome = write(picture, &files.pictures, files.display, &|line| reporter.say(line));
+    if let (Some((denoiser, beside)), None) = (&files.denoised, &failure) {
+        reporter.begin(Phase::Denoising);
+        let denoised = picture.denoised(denoiser).map_err(Failure::from);
+        let tell = |line: &str| reporter.say(line);
+        let written = denoised.and_then(|picture| write(&picture, beside, files.display, &tell));
+        outcome = both(outcome, written);
+    }
+    if let Some(file) = &files.stats {
+        let stats = Stats { device: &device.name(), rendered: &rendered, settings: &scene.render, setup_seconds };
+        outcome = both(outcome, stats.write(file));
+    }
+    if let Err(Failure::Unwritten(message)) = outcome {
+        outcome = Err(rescued(&rendered, files, message));
+    }
+    let is_stopped = signal.is_some() || failure.is_some();
+    if outcome.is_ok() && !is_stopped {
+        if let Err(error) = rendered.remove_checkpoints() {
+            reporter.say(&format!("warning: a checkpoint is left over: {error}"));
+        }
+        reporter.done();
+    } else if is_stopped {
+        tell_how_to_go_on(&rendered, signal, checkpoint.as_deref(), &reporter);
+    }
+    both(outcome, failure.map_or(Ok(()), |error| Err(error.into())))?;
+    signal.map_or(Ok(()), |signal| Err(Failure::Interrupted(signal)))
+}
+
+/// Says where the film of a render that has ended early is, and how to go on from it; `wanted` is where it was to be.
+fn tell_how_to_go_on(rendered: &Rendered, signal: Option<u8>, wanted: Option<&Path>, reporter: &Reporter) {
+    let Some(path) = &rendered.checkpoint else { return };
+    let reason = signal.map(|signal| format!("stopped by {}: ", signals::name(signal))).unwrap_or_default();
+    let place = if Some(&**path) == wanted { String::new() } else { format!("--checkpoint {} ", display_name(path)) };
+    let path = display_name(path);
+    reporter.say(&format!(
+        "{reason}what there is is saved in {path}: the same command with {place}--resume goes on from it"
+    ));
+}
+
+/// Saves the film of a render whose files cannot be written, and says where it is. Returns the failure.
+fn rescued(rendered: &Rendered, files: &Files, message: String) -> Failure {
+    let name = files.pictures.first().map(|file| file.path().with_extension("")).unwrap_or_default();
+    match rendered.rescue(&name.file_name().unwrap_or_default().to_string_lossy()) {
+        Ok(path) => {
+            let path = display_name(&path);
+            say(format_args!(
+                "the film is saved in {path}: `raggio merge {path} -o FILE` makes a picture of it, and the same command with \
+                 --checkpoint {path} --resume writes all files"
+            ));
+            Failure::Unwritten(message)
+        }
+        Err(error) => Failure::Input(format!("{message}; and the film could not be saved either: {error}")),
+    }
+}
+
+/// Makes the device ready by `prepare`, and says so where it takes a while: drivers compile kernels then.
+fn ready<T>(quiet: bool, prepare: impl FnOnce() -> Result<T, DeviceError>) -> Result<T, DeviceError> {
+    const A_WHILE: Duration = Duration::from_secs(1);
+    std::thread::scope(|scope| {
+        let (done, wait) = channel::<()>();
+        scope.spawn(move || {
+            if !quiet && wait.recv_timeout(A_WHILE) == Err(RecvTimeoutError::Timeout) {
+                say("compiling kernels (first time on this device)");
+            }
+        });
+        let prepared = prepare();
+        drop(done);
+        prepared
+    })
+}
+
+/// Writes a picture to all of `files`.
+///
+/// # Errors
+/// The last failure; those before it are told, and the other files are written nevertheless.
+pub fn write(picture: &Picture, files: &[ImageFile], display: Display, tell: &dyn Fn(&str)) -> Result<(), Failure> {
+    let mut outcome = Ok(());
+    for file in files {
+        match picture.write(file, display) {
+            Ok(()) => tell(&format!("wrote {}", display_name(file.path()))),
+            Err(error) => outcome = both(outcome, Err(Failure::Unwritten(error.to_string()))),
+        }
+    }
+    outcome
+}
+
+/// The last failure of two outcomes; one before another is told at once.
+pub fn both(first: Result<(), Failure>, second: Result<(), Failure>) -> Result<(), Failure> {
+    match (first, second) {
+        (Err(first), Err(second)) => {
+            say(format_args!("error: {first}"));
+            Err(second)
+        }
+        (first, second) => first.and(second),
+    }
+}
+
+/// Reports progress, and breaks off when a signal has come.
+struct Listener {
+    reporter: Reporter,
+    stopped: Stopped,
+}
+
+impl Observer for Listener {
+    fn warn(&mut self, warning: &str) {
+        self.reporter.say(&format!("warning: {warning}"));
+    }
+
+    fn begin(&mut self, phase: Phase) {
+        self.reporter.begin(phase);
+    }
+
+    fn saved(&mut self, checkpoint: &Path) {
+        self.reporter.saved(checkpoint);
+    }
+
+    fn progress(&mut self, progress: &Progress) -> ControlFlow<()> {
+        self.reporter.update(progress);
+        if self.stopped.signal().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+fn override_settings(scene: &mut Scene, overrides: &Overrides) {
+    let Overrides { samples, size, max_depth, seed, sampler, filter, clamp, foreign: _ } = *overrides;
+    let render = &mut scene.render;
+    render.samples = samples.map_or(render.samples, |range| range.end - range.start);
+    render.max_depth = max_depth.unwrap_or(render.max_depth);
+    render.seed = seed.unwrap_or(render.seed);
+    render.sampler = sampler.unwrap_or(render.sampler);
+    render.filter = filter.unwrap_or(render.filter);
+    render.clamp = clamp.or(render.clamp);
+    if let Some(size) = size {
+        (render.width, render.height) = (size.width, size.height);
+    }
+}
+
+/// End of the render that is asked for, in words.
+fn describe_end(samples: &Range<u32>, stop: &Stop) -> String {
+    let limits = [
+        (samples.end < UNLIMITED_SAMPLES).then(|| match samples.start {
+            0 => counted(samples.len(), "sample"),
+            first => format!("samples {first}..{}", samples.end),
+        }),
+        stop.noise.map(|noise| format!("an error below {noise}")),
+        stop.time_limit.map(|seconds| format!("{seconds} s")),
+    ];
+    limits.into_iter().flatten().collect::<Vec<_>>().join(" or ")
+}

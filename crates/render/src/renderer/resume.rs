@@ -1,0 +1,85 @@
+//! Renderers that go on from a checkpoint.
+
+use std::path::Path;
+use std::time::Duration;
+
+use raggio_kernels::Feature;
+
+use super::{Adaptive, Course, Renderer};
+use crate::checkpoint::{AdaptiveState, Checkpoint, CheckpointError, SamplingState};
+use crate::devices::adaptive::Blocks;
+use crate::pictures::film::{FilmError, MergeError};
+
+impl Renderer {
+    /// State of the sampling of the film that is shown, from which [`Renderer::resume`] goes on.
+    pub(crate) fn sampling_state(&self) -> SamplingState {
+        let Course { pass, row, sampling, total, .. } = self.courses.shown();
+        let adaptive = self.adaptive.as_ref().map(|adaptive| AdaptiveState {
+            judgement: adaptive.judgement,
+            error: adaptive.error,
+            resting: adaptive.blocks.words().to_vec(),
+        });
+        SamplingState {
+            first: self.samples.start,
+            pass: pass.clone(),
+            row: *row,
+            seconds: sampling.as_secs_f64(),
+            spent: sampling.as_secs_f64(),
+            total: *total,
+            adaptive,
+        }
+    }
+
+    /// Goes on from a checkpoint, found at `path`, of the same picture and of samples that are to be rendered, in place of
+    /// the first sample.
+    ///
+    /// # Errors
+    /// A [`CheckpointError`] when the checkpoint is of something else, or the device fails.
+    pub(crate) fn resume(&mut self, checkpoint: &Checkpoint, path: &Path) -> Result<(), CheckpointError> {
+        let Checkpoint { film, state } = checkpoint;
+        let other = |difference| CheckpointError::Other { path: path.into(), difference: Box::new(difference) };
+        let damaged = || FilmError::Damaged {
+            path: path.into(),
+            reason: "how its sampling goes on is not as its film says".into(),
+        };
+        let (now, then) = ([self.width, self.height], [film.width(), film.height()]);
+        if now != then {
+            return Err(other(MergeError::Size(now, then)));
+        }
+        let label = film.label().ok_or_else(damaged)?;
+        self.label().check_same_picture(label).map_err(other)?;
+        if state.first != self.samples.start || state.pass.end > self.samples.end {
+            let [found, wanted] =
+                [state.first..state.pass.end, self.samples.clone()].map(|range| [range.start, range.end]);
+            return Err(CheckpointError::Samples { path: path.into(), found, wanted });
+        }
+        let adaptive = match (&self.adaptive, &state.adaptive) {
+            (None, None) => None,
+            (Some(Adaptive { noise, .. }), Some(AdaptiveState { judgement, error, resting })) => {
+                let blocks = Blocks::from_words(self.width, self.height, resting.clone()).ok_or_else(damaged)?;
+                let active = blocks.active_pixels(0..self.height);
+                Some(Adaptive { noise: *noise, blocks, active, judgement: *judgement, error: *error })
+            }
+            _ => return Err(damaged().into()),
+        };
+        self.show(Feature::Radiance)?;
+        let course = Course {
+            pass: state.pass.clone(),
+            row: state.row,
+            sampling: Duration::try_from_secs_f64(state.seconds).unwrap_or_default(),
+            total: state.total,
+            ..Course::new(self.height, self.samples.start, self.rate(), 0.0)
+        };
+        let before = std::mem::replace(self.courses.shown_mut(), course);
+        if self.label().portions() != label.portions() {
+            *self.courses.shown_mut() = before;
+            return Err(damaged().into());
+        }
+        self.session.set_film(film)?;
+        if let Some(adaptive) = &adaptive {
+            self.session.rest(Some(&adaptive.blocks))?;
+        }
+        self.adaptive = adaptive;
+        Ok(())
+    }
+}
