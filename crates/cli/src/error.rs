@@ -1,5 +1,4 @@
 use std::path::Path;
-use std::process::ExitCode;
 
 use raggio_render::{DenoiseError, DeviceError, OutputError, RenderError, TooLarge};
 use raggio_scene::{SceneError, display_name};
@@ -18,12 +17,12 @@ pub enum Failure {
 }
 
 impl Failure {
-    pub fn exit_code(&self) -> ExitCode {
+    pub fn exit_status(&self) -> u8 {
         match self {
-            Self::Input(_) => ExitCode::from(2),
-            Self::Device(_) => ExitCode::from(3),
+            Self::Input(_) => 2,
+            Self::Device(_) => 3,
             // 128 and the number of SIGINT, as shells have it.
-            Self::Interrupted => ExitCode::from(130),
+            Self::Interrupted => 130,
         }
     }
 }

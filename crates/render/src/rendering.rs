@@ -71,9 +71,7 @@ impl Rendering {
     /// # Errors
     /// A [`RenderError`] when the picture or the scene is too large, or the device fails.
     pub fn begin(scene: &Scene, device: &dyn Device, request: RenderRequest) -> Result<Self, RenderError> {
-        // What a denoiser works in is about as large as two films.
-        let denoiser = if request.denoise { 2 } else { 0 };
-        check_films(scene.render.width, scene.render.height, request.features().len() as u64 + denoiser)?;
+        check_films(scene.render.width, scene.render.height, request.films_beside())?;
         let device_scene = DeviceScene::new(scene)?;
         let session = device.load(&device_scene)?;
         let mut renderer = Renderer::new(session, &device_scene, request.stop.samples(&scene.render));
@@ -98,6 +96,41 @@ impl Rendering {
         self.renderer.session().prepare()
     }
 
+    /// Changes how many samples each pixel is to have, for [`Rendering::sample`] to go on.
+    pub fn set_target(&mut self, samples: u32) {
+        self.renderer.set_target(samples);
+    }
+
+    /// Begins anew with another scene; what both have in common stays on the device.
+    ///
+    /// # Errors
+    /// The errors of [`Rendering::begin`]; only another change of the scene can follow them.
+    pub fn change(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        self.check_memory(scene)?;
+        self.scene.update(scene)?;
+        self.restart(scene)
+    }
+
+    /// Begins anew with another camera, size or other settings; `scene` differs from that before in nothing else.
+    ///
+    /// # Errors
+    /// The errors of [`Rendering::begin`].
+    pub fn look(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        self.check_memory(scene)?;
+        self.scene.set_view(scene)?;
+        self.restart(scene)
+    }
+
+    fn check_memory(&self, scene: &Scene) -> Result<(), TooLarge> {
+        check_films(scene.render.width, scene.render.height, self.request.films_beside())
+    }
+
+    fn restart(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        self.renderer.restart(&self.scene)?;
+        self.metadata = Metadata::new(scene, &self.request.name);
+        Ok(())
+    }
+
     /// Flag that ends sampling at once, when it is set: also while the device is at work.
     pub fn stop_flag(&self) -> Arc<AtomicBool> {
         self.renderer.stop_flag()
@@ -108,7 +141,20 @@ impl Rendering {
     /// # Errors
     /// A [`DeviceError`] when the device fails and the film is lost with it.
     pub fn run(mut self, observer: &mut dyn Observer) -> Result<Rendered, DeviceError> {
-        let mut failure = self.sample(observer).err();
+        let failure = self.sample(observer).err();
+        self.develop(observer, failure)
+    }
+
+    /// Makes the picture of the samples that there are, with layers and guides unless the device has met a `failure`. The
+    /// rendering stays as it is, and more samples may follow.
+    ///
+    /// # Errors
+    /// `failure`, or another [`DeviceError`], when the film is lost with the device.
+    pub fn develop(
+        &mut self,
+        observer: &mut dyn Observer,
+        mut failure: Option<DeviceError>,
+    ) -> Result<Rendered, DeviceError> {
         let progress = self.renderer.progress();
         // A lost device has usually lost the film with it: then its first failure is what to report.
         let film = if self.request.label { self.renderer.labelled_film() } else { self.renderer.film() };
@@ -138,7 +184,11 @@ impl Rendering {
         Ok(Rendered { picture: self.picture(film, features), progress, finished, failure, shapes, triangles })
     }
 
-    fn sample(&mut self, observer: &mut dyn Observer) -> Result<(), DeviceError> {
+    /// Takes samples until there are enough, or `observer` breaks off.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails.
+    pub fn sample(&mut self, observer: &mut dyn Observer) -> Result<(), DeviceError> {
         let start = Instant::now();
         let limit = self.request.stop.time_limit.map_or(f64::INFINITY, f64::from);
         while !self.renderer.finished() {
@@ -166,8 +216,8 @@ impl Rendering {
         Features::render(&mut self.renderer, &wanted, samples, || observer.progress(&progress))
     }
 
-    fn picture(self, film: Film, features: Option<Features>) -> Picture {
-        let mut extras = Extras { channels: vec![], metadata: Some(self.metadata) };
+    fn picture(&self, film: Film, features: Option<Features>) -> Picture {
+        let mut extras = Extras { channels: vec![], metadata: Some(self.metadata.clone()) };
         if let Some(metadata) = &mut extras.metadata {
             metadata.samples = film.pixels().iter().map(|pixel| pixel.samples).max().unwrap_or(0);
         }
