@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _raggio, _toml
+from ._types import CameraNumbers, Vector
 
-Vector = tuple[float, float, float]
 VectorLike = Sequence[float] | npt.NDArray[Any]
 Convention = Literal["opencv", "opengl"]
 
@@ -200,10 +200,10 @@ class Camera:
             focus_distance=table.get("focus_distance"),
         )
 
-    def _numbers(self) -> _raggio.CameraNumbers:
+    def _numbers(self) -> CameraNumbers:
         # As 32-bit floats, for that is what the distance is measured between when a scene file is read.
-        between = np.float32(self.target).astype(np.float64) - np.float32(self.position).astype(np.float64)
-        focus = self.focus_distance if self.focus_distance is not None else float(np.linalg.norm(between))
+        target, position = (np.array(of, dtype=np.float32).astype(np.float64) for of in (self.target, self.position))
+        focus = self.focus_distance if self.focus_distance is not None else float(np.linalg.norm(target - position))
         return (
             self.position,
             self.target,

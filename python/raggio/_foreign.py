@@ -56,7 +56,7 @@ def _trimesh_scene(scene: Any, smooth: bool) -> Iterator[Found]:
 
 
 def _trimesh(mesh: Any, smooth: bool) -> tuple[Mesh, Principled | None]:
-    visual = getattr(mesh, "visual", None)
+    visual: Any = getattr(mesh, "visual", None)
     kind = getattr(visual, "kind", None)
     uvs, colors, material = None, None, None
     if kind == "texture":
@@ -112,7 +112,10 @@ def _picture(image: Any) -> npt.NDArray[np.uint8] | None:
 
 def _open3d(mesh: Any, smooth: bool) -> Mesh:
     vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.triangles)
-    has = lambda what: bool(getattr(mesh, f"has_{what}", bool)())  # noqa: E731
+
+    def has(what: str) -> bool:
+        return hasattr(mesh, f"has_{what}") and bool(getattr(mesh, f"has_{what}")())
+
     normals = np.asarray(mesh.vertex_normals) if has("vertex_normals") else None
     # open3d's colours are what it shows: sRGB, from 0 to 1.
     colors = np.rint(255 * np.asarray(mesh.vertex_colors)).astype(np.uint8) if has("vertex_colors") else None

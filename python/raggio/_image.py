@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _raggio
+from ._types import Developed
 
 Floats = npt.NDArray[np.float32]
 Layer = npt.NDArray[np.float32] | npt.NDArray[np.int32]
 ToneMapper = Literal["neutral", "agx", "aces", "filmic", "reinhard"]
+
+
+def _stacked(parts: list[Layer]) -> Layer:
+    """Channels of a layer as the last axis of one array."""
+    return cast(Layer, np.stack(parts, axis=-1))
 
 
 class Image:
@@ -26,7 +32,7 @@ class Image:
 
     __slots__ = ("_channels", "_layers", "_metadata", "_pixels", "_facts")
 
-    def __init__(self, developed: _raggio.Developed, device: str) -> None:
+    def __init__(self, developed: Developed, device: str) -> None:
         self._pixels: Floats = developed["pixels"]
         self._metadata = developed["metadata"]
         self._facts = (developed["samples"], developed["seconds"], developed["finished"], developed["rays"], device)
@@ -36,7 +42,7 @@ class Image:
             self._channels.setdefault(name.split(".")[0], []).append(name)
         for layer, names in self._channels.items():
             parts = [developed["channels"][name] for name in names]
-            self._layers[layer] = parts[0] if len(parts) == 1 else np.stack(parts, axis=-1)
+            self._layers[layer] = parts[0] if len(parts) == 1 else _stacked(parts)
 
     @property
     def width(self) -> int:

@@ -20,12 +20,13 @@ class _Table:
     """Keys of a table of the scene file; those that are ``None`` are not written, and have the file's defaults."""
 
     def _table(self) -> dict[str, Any]:
-        return {field.name: value for field in fields(self) if (value := getattr(self, field.name)) is not None}  # type: ignore[arg-type]
+        names = (field.name for field in fields(self))  # type: ignore[arg-type]
+        return {name: value for name in names if (value := getattr(self, name)) is not None}
 
     def __eq__(self, other: object) -> bool:
-        if type(self) is not type(other):
+        if not isinstance(other, _Table) or type(self) is not type(other):
             return NotImplemented
-        return _same(self._table(), other._table())  # type: ignore[attr-defined]
+        return _same(self._table(), other._table())
 
     __hash__ = None  # type: ignore[assignment]
 

@@ -47,5 +47,5 @@ def _bar(*, wanted: bool) -> Any:
         return None
     if not wanted and "ipykernel" not in sys.modules and not sys.stderr.isatty():
         return None
-    form = "{percentage:3.0f}% {bar} {postfix} [{elapsed}<{remaining}]"
+    form = "{desc} {percentage:3.0f}% {bar} {postfix} [{elapsed}<{remaining}]"
     return tqdm(total=100.0, bar_format=form, delay=0.0 if wanted else DELAY, leave=wanted, desc="raggio")

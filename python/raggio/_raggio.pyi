@@ -1,27 +1,33 @@
 """Rust's part of the module."""
 
-from typing import Any, TypedDict, final
+from typing import Any, final
 
 import numpy as np
 import numpy.typing as npt
 
 from ._progress import Report
+from ._types import CameraNumbers, Developed
+
+__all__ = [
+    "AOVS",
+    "Metadata",
+    "SceneText",
+    "Session",
+    "TONE_MAPPERS",
+    "__version__",
+    "check_camera",
+    "devices",
+    "encode_png",
+    "forget_after_fork",
+    "main",
+    "panic_for_tests",
+    "tonemap",
+    "write_image",
+]
 
 __version__: str
 AOVS: list[str]
 TONE_MAPPERS: list[str]
-
-_Vector = tuple[float, float, float]
-CameraNumbers = tuple[_Vector, _Vector, _Vector, float, float | None, float, float]
-
-class Developed(TypedDict):
-    pixels: npt.NDArray[np.float32]
-    channels: dict[str, npt.NDArray[np.float32] | npt.NDArray[np.int32]]
-    metadata: Metadata | None
-    samples: tuple[int, int]
-    rays: int
-    seconds: float
-    finished: bool
 
 @final
 class Metadata: ...

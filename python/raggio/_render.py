@@ -15,6 +15,7 @@ from ._errors import Error, Interrupted, SceneWarning
 from ._image import Image
 from ._progress import ProgressLike, Report, reporter
 from ._scene import Scene
+from ._types import CameraNumbers
 
 #: Names of layers: one, several, or "all".
 AovsLike = str | Iterable[str]
@@ -245,7 +246,7 @@ def _positive(name: str, number: float | None) -> None:
         raise ValueError(f"{name} is {number}: give a number greater than 0")
 
 
-def _numbers(scene: Scene, camera: Camera | None) -> _raggio.CameraNumbers | None:
+def _numbers(scene: Scene, camera: Camera | None) -> CameraNumbers | None:
     if camera is None and scene.camera is None:
         raise ValueError("the scene has no camera: give one, such as raggio.Camera.look_at(position, target)")
     return None if camera is None else camera._numbers()

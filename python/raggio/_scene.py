@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 import weakref
-from collections.abc import Iterator, Mapping, MutableMapping
+from collections.abc import Iterable, Iterator, Mapping, MutableMapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -38,11 +38,13 @@ class Scene:
     """
 
     def __init__(self) -> None:
-        self._start(_raggio.SceneText.empty(), "scene")
+        self._start(_raggio.SceneText.empty(), Path("scene"))
 
-    def _start(self, text: _raggio.SceneText, name: str) -> None:
+    def _start(self, text: _raggio.SceneText, path: Path) -> None:
         self._text = text
-        self._name = name
+        self._name = path.name
+        #: Folder to which paths of the text are relative.
+        self._folder = path.absolute().parent
         self._objects: list[Object] = []
         self._in_memory: set[str] = set()
         self._meshes: weakref.WeakKeyDictionary[Mesh, str] = weakref.WeakKeyDictionary()
@@ -124,7 +126,7 @@ class Scene:
         if mesh in self._meshes:
             return self._meshes[mesh]
         # v runs downwards in scenes.
-        uvs = None if mesh.uvs is None else np.ascontiguousarray(mesh.uvs * np.float32([1, -1]) + np.float32([0, 1]))
+        uvs = None if mesh.uvs is None else np.ascontiguousarray(_turned_over(mesh.uvs))
         held, warning = self._text.give_mesh(name or "mesh", mesh.vertices, mesh.faces, mesh.normals, uvs, mesh.colors)
         if warning is not None:
             warnings.warn(warning, SceneWarning, stacklevel=4)
@@ -162,7 +164,7 @@ class Scene:
         return name
 
     def _set_material(self, name: str, material: AnyMaterial) -> None:
-        table = {key: self._resolved(value, is_image="texture" in key or key.endswith("_map")) for key, value in material._table().items()}
+        table = {key: self._resolved(value, is_image=_is_image(key)) for key, value in material._table().items()}
         if isinstance(material, Principled):
             table = {"principled": table}
         text = _toml.value(table)
@@ -195,6 +197,11 @@ class Scene:
         self._in_memory.add(f"the image {name}")
         return name
 
+    def _absolute(self, table: Mapping[str, Any], images: Iterable[str]) -> dict[str, Any]:
+        """A table of the text whose images have paths that are right anywhere."""
+        paths = {key: str(self._folder / table[key]) for key in images if isinstance(table.get(key), str)}
+        return {**table, **paths}
+
     # ---- Light, camera, size
 
     @property
@@ -202,7 +209,7 @@ class Scene:
         """Light from outside; ``None`` is none."""
         if self._environment is None:
             table = self._text.get(["environment"])
-            return None if table is None else Environment(**table)
+            return None if table is None else Environment(**self._absolute(table, ("image",)))
         return self._environment
 
     @environment.setter
@@ -258,7 +265,7 @@ class Scene:
     def copy(self) -> Scene:
         """A copy, which shares meshes and images with this scene."""
         other = Scene.__new__(Scene)
-        other._start(self._text.copy(), self._name)
+        other._start(self._text.copy(), self._folder / self._name)
         other._objects = list(self._objects)
         other._in_memory = set(self._in_memory)
         other._meshes = self._meshes.copy()
@@ -296,8 +303,11 @@ class _Materials(MutableMapping[str, AnyMaterial]):
         table = self._tables()[name]
         if "principled" not in table:
             return Material(**table)
-        textured = {key: Texture(**value) if isinstance(value, dict) else value for key, value in table["principled"].items()}
-        return Principled(**textured)
+        keys = self._scene._absolute(table["principled"], [key for key in table["principled"] if _is_image(key)])
+        for key, value in keys.items():
+            if isinstance(value, dict):
+                keys[key] = Texture(**self._scene._absolute(value, ("image",)))
+        return Principled(**keys)
 
     def __setitem__(self, name: str, material: AnyMaterial) -> None:
         self._scene._set_material(name, material)
@@ -334,8 +344,19 @@ def load(
     for warning in told:
         warnings.warn(warning, SceneWarning, stacklevel=2)
     scene = Scene.__new__(Scene)
-    scene._start(text, Path(path).name)
+    scene._start(text, Path(path))
     return scene
+
+
+def _is_image(key: str) -> bool:
+    """Whether a key of a principled material names an image."""
+    return key.endswith(("_texture", "_map"))
+
+
+def _turned_over(uvs: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    turned = uvs.copy()
+    turned[:, 1] = 1 - turned[:, 1]
+    return turned
 
 
 def _plain(mesh: Mesh) -> AnyMaterial:

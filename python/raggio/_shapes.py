@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from ._camera import Vector, VectorLike, vector
+from ._camera import VectorLike, vector
+from ._types import Vector
 
 
 class _Shape:

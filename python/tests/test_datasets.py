@@ -12,6 +12,8 @@ import raggio as rg
 from raggio import datasets
 
 
+# pycocotools is not of NumPy 2 yet.
+@pytest.mark.filterwarnings("ignore:__array__ implementation")
 def test_coco_masks_are_read_back(tmp_path, capsys) -> None:
     coco = pytest.importorskip("pycocotools.coco", reason="pycocotools is not installed")
     scene = lit()

@@ -21,7 +21,9 @@ pub fn keep_faults() {
     set_hook(Box::new(|info| {
         // Decoders of images may give up on damaged bytes, which becomes an error of the image.
         if !raggio_images::guarded() {
-            *FAULT.lock().unwrap_or_else(PoisonError::into_inner) = info.to_string();
+            let words = info.payload_as_str().unwrap_or("it gives no reason");
+            let place = info.location().map(|place| format!(" ({place})")).unwrap_or_default();
+            *FAULT.lock().unwrap_or_else(PoisonError::into_inner) = format!("{words}{place}");
         }
     }));
 }
