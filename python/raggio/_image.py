@@ -14,7 +14,7 @@ from ._types import Developed
 
 Floats = npt.NDArray[np.float32]
 Layer = npt.NDArray[np.float32] | npt.NDArray[np.int32]
-ToneMapper = Literal["neutral", "agx", "aces", "filmic", "reinhard"]
+ToneMapper = Literal["neutral", "agx", "aces", "filmic", "reinhard", "none"]
 
 
 def _stacked(parts: list[Layer]) -> Layer:

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import io
+import subprocess
+import sys
+import typing
 
 import numpy as np
 import pytest
 from conftest import FRONT, SQUARE, lit, render
 
 import raggio as rg
+from raggio import _raggio
+from raggio._image import ToneMapper
 
 
 def test_furnace() -> None:
@@ -128,8 +133,6 @@ def test_layers_that_were_not_asked_for() -> None:
 
 def test_files_are_those_of_the_program(file, tmp_path) -> None:
     """The program and the module write the same EXR, byte for byte, and the same PNG."""
-    from raggio import _raggio
-
     layers = ["depth", "distance", "normal", "object_id", "samples"]
     outputs = [str(tmp_path / name) for name in ("program.exr", "program.png")]
     arguments = ["raggio", "render", str(file), "--device", "cpu", "--quiet", "--aov", ",".join(layers)]
@@ -144,9 +147,6 @@ def test_files_are_those_of_the_program(file, tmp_path) -> None:
 
 def run_program(arguments: list[str]) -> int:
     """The program takes its process for its own."""
-    import subprocess
-    import sys
-
     return subprocess.run([sys.executable, "-m", *arguments], check=False).returncode
 
 
@@ -171,6 +171,7 @@ def test_tone_mapping_and_png() -> None:
     assert shown.shape == (4, 6, 3) and shown.dtype == np.uint8
     png = np.asarray(pillow.open(io.BytesIO(image._repr_png_())))
     np.testing.assert_array_equal(png, shown)
+    assert list(typing.get_args(ToneMapper)) == _raggio.TONE_MAPPERS
     assert image.tonemap(exposure=1).mean() > shown.mean() > image.tonemap(exposure=-1).mean()
     with pytest.raises(ValueError, match="unknown tone mapper"):
         image.tonemap(tone_mapper="sepia")  # type: ignore[arg-type]

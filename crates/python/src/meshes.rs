@@ -9,7 +9,10 @@ use raggio_scene::{Bitmap, DAffine3, DMat3, DVec3, Instance, Mesh, Model, Part};
 use crate::errors::scene_error;
 
 /// Rows of a C-contiguous array of `N` columns, copied.
-pub fn rows<T: numpy::Element + Copy, const N: usize>(name: &str, array: &PyReadonlyArray2<'_, T>) -> PyResult<Vec<[T; N]>> {
+pub fn rows<T: numpy::Element + Copy, const N: usize>(
+    name: &str,
+    array: &PyReadonlyArray2<'_, T>,
+) -> PyResult<Vec<[T; N]>> {
     let wrong = || PyValueError::new_err(format!("{name} is of shape {:?}: give (n, {N})", array.shape()));
     if array.shape()[1] != N {
         return Err(wrong());
@@ -72,7 +75,8 @@ pub fn pixels<T: numpy::Element + Copy, const N: usize>(
     array: &PyReadonlyArray3<'_, T>,
 ) -> PyResult<(Vec<[T; N]>, [usize; 2])> {
     let &[height, width, channels] = array.shape() else { unreachable!("the array has three axes") };
-    let wrong = || PyValueError::new_err(format!("the image is of shape {:?}: give (height, width, {N})", array.shape()));
+    let wrong =
+        || PyValueError::new_err(format!("the image is of shape {:?}: give (height, width, {N})", array.shape()));
     if channels != N {
         return Err(wrong());
     }

@@ -276,7 +276,9 @@ impl SceneText {
         let id = match id {
             Some(id) if id > own => id,
             Some(id) if id < 1 => {
-                return Err(PyValueError::new_err(format!("the id is {id}: give one from 1 on, for 0 is the background")));
+                return Err(PyValueError::new_err(format!(
+                    "the id is {id}: give one from 1 on, for 0 is the background"
+                )));
             }
             Some(id) => {
                 let message = format!("the id {id} is that of a shape of the file, which has {own}: give a higher one");

@@ -48,7 +48,9 @@ struct View {
 
 impl View {
     fn apply(&self, scene: &mut Scene) {
-        if let Some((position, look_at, up, vertical_fov_degrees, orthographic_height, aperture_radius, focus)) = self.camera {
+        if let Some((position, look_at, up, vertical_fov_degrees, orthographic_height, aperture_radius, focus)) =
+            self.camera
+        {
             scene.camera = Camera {
                 position: Vec3::from(position),
                 look_at: Vec3::from(look_at),
