@@ -3,9 +3,6 @@
 //! Arrays and texts come in, arrays go out; what users see of it is in `python/raggio`. A scene is the text of a scene file,
 //! whose meshes and images may be in memory. Whatever takes time runs without Python's lock.
 
-// Macros of PyO3 write unsafe code; there is none here that is not theirs.
-#![allow(unsafe_code)]
-
 mod errors;
 mod host;
 mod images;

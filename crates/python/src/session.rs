@@ -1,7 +1,7 @@
 //! A scene on a device, which takes samples and makes pictures of them.
 
 use std::ops::ControlFlow;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -282,9 +282,4 @@ pub fn devices(
 #[pyfunction]
 pub fn forget_after_fork() {
     host::forget();
-}
-
-#[allow(unused)]
-fn is_send(session: Session) -> impl Send + Sync {
-    Arc::new(session)
 }
