@@ -53,20 +53,20 @@ def test_views_do_not_leak() -> None:
 
 
 def test_two_threads() -> None:
+    scene = lit()
+    scene.add(rg.Sphere((0, 0, 0), 1))
     seeds = (1, 2, 3, 4)
-    alone = {seed: np.asarray(render(lit(), FRONT, size=(48, 48), samples=16, seed=seed)) for seed in seeds}
+    alone = {seed: np.asarray(render(scene, FRONT, size=(48, 48), samples=16, seed=seed)) for seed in seeds}
     together: dict[int, np.ndarray] = {}
 
     def work(seed: int) -> None:
-        scene = lit()
-        scene.add(rg.Sphere((0, 0, 0), 1))
-        for _ in range(3):
-            together[seed] = np.asarray(render(scene, FRONT, size=(48, 48), samples=16, seed=seed))
+        own = lit()
+        own.add(rg.Sphere((0, 0, 0), 1))
+        # A scene of its own, and one that all share.
+        for shown in (own, scene):
+            together[seed] = np.asarray(render(shown, FRONT, size=(48, 48), samples=16, seed=seed))
+            np.testing.assert_array_equal(together[seed], alone[seed])
 
-    for scene_of in (lit,):
-        scene = scene_of()
-        scene.add(rg.Sphere((0, 0, 0), 1))
-        alone = {seed: np.asarray(render(scene, FRONT, size=(48, 48), samples=16, seed=seed)) for seed in seeds}
     threads = [threading.Thread(target=work, args=(seed,)) for seed in seeds]
     for thread in threads:
         thread.start()
