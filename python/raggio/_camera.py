@@ -107,10 +107,10 @@ class Camera:
         ``convention`` says where the camera's axes point: ``"opencv"`` x right, y down, z forward (COLMAP too);
         ``"opengl"`` x right, y up, z backward (Blender, nerfstudio and glTF too).
 
-        ``K`` is in pixels and needs ``size``, which is (width, height). Its principal point counts from the outer corner
-        of the top left pixel, so that the middle of the picture is (width / 2, height / 2), as COLMAP and nerfstudio have
-        it; where whole numbers are the middles of pixels, add 0.5 to both. Without ``K`` give ``vfov_degrees`` or
-        ``orthographic_height``.
+        ``K`` is in pixels and needs ``size``, which is (width, height). Its principal point counts from the outer
+        corner of the top left pixel, so that the middle of the picture is (width / 2, height / 2), as COLMAP and
+        nerfstudio have it; where whole numbers are the middles of pixels, add 0.5 to both. Without ``K`` give
+        ``vfov_degrees`` or ``orthographic_height``.
 
         Raises :class:`ValueError` where the matrix is no rotation with a translation, and where ``K`` is of a camera
         that raggio has not yet: one with a principal point off the middle, with skew, or with pixels that are not
@@ -237,7 +237,9 @@ def _vfov_of(K: npt.NDArray[np.float64], size: tuple[int, int]) -> float:
     if abs(skew) > 1e-6 * fx:
         raise ValueError(f"K has a skew of {skew}, which raggio's cameras do not have yet: it must be 0")
     if abs(fx - fy) > 1e-6 * fy:
-        raise ValueError(f"K has fx = {fx} and fy = {fy}: raggio's pixels are square so far, so that they must be equal")
+        raise ValueError(
+            f"K has fx = {fx} and fy = {fy}: raggio's pixels are square so far, so that they must be equal"
+        )
     middle = (0.5 * width, 0.5 * height)
     if max(abs(cx - middle[0]), abs(cy - middle[1])) > 1e-6 * max(size):
         raise ValueError(

@@ -34,8 +34,8 @@ def meshes(of: Any, *, smooth: bool) -> Iterator[Found]:
         yield _pyvista(of, smooth), None, np.eye(4)
     else:
         raise TypeError(
-            f"{type(of).__name__} is no mesh: give (vertices, faces), an object of trimesh, open3d or pyvista, a shape such "
-            "as raggio.Sphere, or the path of a model"
+            f"{type(of).__name__} is no mesh: give (vertices, faces), an object of trimesh, open3d or pyvista, a shape "
+            "such as raggio.Sphere, or the path of a model"
         )
 
 

@@ -11,7 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 Color = Sequence[float] | npt.NDArray[Any]
-#: An image by its path, or as an array (height, width, 3 or 4): bytes are as image files store them, floats are linear.
+#: An image by its path, or as an array (height, width, 3 or 4): bytes are as image files store them, floats are
+#: linear.
 ImageLike = str | PathLike[str] | npt.NDArray[Any]
 Wrap = Literal["repeat", "mirrored_repeat", "clamp_to_edge"]
 
@@ -90,7 +91,10 @@ class Material(_Table):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Principled(_Table):
-    """A physically based material with glTF's names and meanings. What is ``None`` has glTF's default, and metallic is 0."""
+    """A physically based material with glTF's names and meanings.
+
+    What is ``None`` has glTF's default, but for ``metallic``, which is 0.
+    """
 
     #: Reflected colour of the diffuse part, or of a metal seen from the front.
     base_color: Color | None = None
@@ -201,8 +205,8 @@ class Environment(_Table):
     horizon: Color | None = None
     #: Radiance from straight above.
     zenith: Color | None = None
-    #: Latitude-longitude image, by its path or as an array (height, width, 3) of linear radiance; its centre is seen along
-    #: -Z, its right along +X, its top along +Y.
+    #: Latitude-longitude image, by its path or as an array (height, width, 3) of linear radiance; its centre is seen
+    #: along -Z, its right along +X, its top along +Y.
     image: ImageLike | None = None
     #: Angle by which the image is turned about the y axis, counter-clockwise seen from above.
     rotation_degrees: float | None = None

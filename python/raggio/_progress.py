@@ -9,7 +9,8 @@ from typing import Any
 
 #: Takes the part that is done (0 to 1), the samples that every pixel has, and the seconds so far.
 Report = Callable[[float, int, float], object]
-#: ``True``: a bar; ``False``: nothing; a function; ``None``: a bar on terminals and in notebooks, where tqdm is installed.
+#: ``True``: a bar; ``False``: nothing; a function; ``None``: a bar on terminals and in notebooks, where tqdm is
+#: installed.
 ProgressLike = bool | Report | None
 
 #: Seconds after which a bar appears by itself.

@@ -66,11 +66,11 @@ def render(
     ``camera`` and what is ``None`` are the scene's own. ``size`` is (width, height) in pixels. Sampling ends after
     ``samples`` a pixel, ``time_limit`` seconds, or where the relative error is below ``noise``, whichever comes first.
     ``max_depth`` is the most rays along a path; 0 sets no limit. ``device`` is "auto" (a GPU if there is one), "cpu",
-    "vulkan" or "vulkan:N"; ``threads`` are those of the CPU. ``aovs`` are layers: :data:`AOVS` has their names, and "all"
+    "vulkan" or "vulkan:N"; ``threads`` are those of the CPU. ``aovs`` are layers: :data:`AOVS` has their names, "all"
     stands for all. ``denoise`` removes noise by Intel Open Image Denoise (``pip install pyoidn``).
 
-    ``progress`` is a function of the part that is done, the samples and the seconds; ``True``: a bar by tqdm; ``None``: a
-    bar on terminals and in notebooks, where tqdm is installed; ``False``: nothing.
+    ``progress`` is a function of the part that is done, the samples and the seconds; ``True``: a bar by tqdm;
+    ``None``: a bar on terminals and in notebooks, where tqdm is installed; ``False``: nothing.
 
     The same scene, seed and samples give the same picture: on one device bit for bit. The lock of Python is released
     meanwhile. Ctrl-C raises :class:`Interrupted`, a ``KeyboardInterrupt`` whose ``image`` is what there was by then; so
@@ -101,8 +101,8 @@ def render_many(
 ) -> Iterator[tuple[int, Image]]:
     """Renders a scene from many cameras, one after another: yields the camera's place and the picture.
 
-    The scene stays on the device; edits of it between two pictures are seen. Parameters are those of :func:`render`, the
-    time limit being that of each picture.
+    The scene stays on the device; edits of it between two pictures are seen. Parameters are those of :func:`render`,
+    the time limit being that of each picture.
     """
     options = _Options(size, seed, max_depth)
     session: _raggio.Session | None = None
@@ -117,8 +117,8 @@ def render_many(
 class Renderer:
     """A scene that stays on its device, and a picture that grows better step by step.
 
-    Another ``camera``, and edits of the scene (its materials, light, objects), begin the picture anew and bring no more to
-    the device than has changed. Parameters are those of :func:`render`.
+    Another ``camera``, and edits of the scene (its materials, light, objects), begin the picture anew and bring no
+    more to the device than has changed. Parameters are those of :func:`render`.
 
     A renderer may be used from several threads, one at a time; not in a process that was forked after it was made.
     """
@@ -271,7 +271,7 @@ def _session(
     names = [aovs] if isinstance(aovs, str) else list(aovs)
     layers = list(_raggio.AOVS) if names == ["all"] else list(dict.fromkeys(names))
     if unknown := [name for name in layers if name not in _raggio.AOVS]:
-        raise ValueError(f"there is no layer {unknown[0]!r}: give some of {', '.join(_raggio.AOVS)}, or \"all\"")
+        raise ValueError(f'there is no layer {unknown[0]!r}: give some of {", ".join(_raggio.AOVS)}, or "all"')
     if denoise:
         _find_denoiser()
     for warning in scene._text.check():

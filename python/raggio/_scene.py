@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _foreign, _raggio, _toml
+from . import _foreign, _raggio, _toml, _transforms
 from ._camera import Camera, checked_size
 from ._errors import SceneError, SceneWarning
 from ._materials import Environment, Material, Principled, Texture
-from ._shapes import Mesh, ShapeLike, _Shape
+from ._shapes import Mesh, _Shape
 
 AnyMaterial = Material | Principled
 
@@ -33,8 +33,8 @@ class Object:
 class Scene:
     """What there is to see: shapes with materials, light from outside, a camera.
 
-    ``Scene()`` is empty and dark; :func:`load` reads one. A scene is the text of a scene file (``to_toml()``), whose meshes
-    and images may be in memory.
+    ``Scene()`` is empty and dark; :func:`load` reads one. A scene is the text of a scene file (``to_toml()``), whose
+    meshes and images may be in memory.
     """
 
     def __init__(self) -> None:
@@ -46,7 +46,8 @@ class Scene:
         #: Folder to which paths of the text are relative.
         self._folder = path.absolute().parent
         self._objects: list[Object] = []
-        self._in_memory: set[str] = set()
+        #: What the text names in memory, in words.
+        self._in_memory: dict[str, str] = {}
         self._meshes: weakref.WeakKeyDictionary[Mesh, str] = weakref.WeakKeyDictionary()
         self._materials: dict[str, AnyMaterial] = {}
         self._environment: Environment | None = None
@@ -65,61 +66,67 @@ class Scene:
     ) -> int:
         """Adds an object, and returns its number in ``image["object_id"]``.
 
-        ``shape`` is a mesh of trimesh, open3d or pyvista, a whole ``trimesh.Scene``, a :class:`Mesh`, a pair of vertices
-        (V, 3) and faces (F, 3), a :class:`Sphere`, :class:`Plane`, :class:`Rectangle` or :class:`Box`, or the path of a
-        model. ``material`` is one, or the name of one that the scene has; without it a mesh has its own, or is light grey.
-        ``transform`` (4, 4) brings it into the world. ``smooth`` gives a mesh without normals some at its vertices.
+        ``shape`` is a mesh of trimesh, open3d or pyvista, a whole ``trimesh.Scene``, a :class:`Mesh`, a pair of
+        vertices (V, 3) and faces (F, 3), a :class:`Sphere`, :class:`Plane`, :class:`Rectangle` or :class:`Box`, or
+        the path of a model. ``material`` is one, or the name of one that the scene has; without it a mesh has its
+        own, or is light grey. ``transform`` (4, 4) brings it into the world. ``smooth`` gives a mesh without normals
+        some at its vertices.
 
-        ``id`` is from 1 on, and above the numbers of a loaded file's shapes; several objects may share one. By default it
-        is the first above all others.
+        ``id`` is from 1 on, and above the numbers of a loaded file's shapes; several objects may share one. By
+        default it is the first above all others.
 
         Raises :class:`ValueError` or :class:`TypeError` where something does not fit, and leaves the scene as it was.
         """
-        placement = _matrix(transform)
+        placement = _transforms.matrix(transform)
+        added, materials = self._text.added, set(self._materials)
+        try:
+            number = self._add_any(shape, material, placement if transform is not None else None, name, id, smooth)
+        except BaseException:
+            while self._text.added > added:
+                self._text.take_last()
+            for new in set(self._materials) - materials:
+                self._text.set(["materials", new], None)
+                del self._materials[new]
+            raise
+        self._objects.append(Object(number, name))
+        return number
+
+    def _add_any(
+        self,
+        shape: Any,
+        material: AnyMaterial | str | None,
+        transform: npt.NDArray[np.float64] | None,
+        name: str | None,
+        id: int | None,
+        smooth: bool,
+    ) -> int:
         if isinstance(shape, _Shape):
             if transform is not None:
                 raise ValueError(f"{type(shape).__name__} says itself where it is: leave transform out")
-            return self._add(shape._table(), material if material is not None else Material(), name, id)
+            return self._add(shape._table(), material if material is not None else Material(), id)
+        placement = transform if transform is not None else np.eye(4)
         if isinstance(shape, (str, os.PathLike)):
-            return self._add_file(os.fspath(shape), material, placement, name, id)
-        found = list(_foreign.meshes(shape, smooth=smooth))
-        if not found:
-            raise ValueError(f"{type(shape).__name__} has no triangles")
-        for mesh, own, world_from_mesh in found:
+            file = {"file": os.path.abspath(shape), **_transforms.placement(placement)}
+            return self._add({"mesh": file}, material, id, checked=True)
+        for mesh, own, world_from_mesh in _foreign.meshes(shape, smooth=smooth):
             chosen = material if material is not None else own if own is not None else _plain(mesh)
-            placed = self._text.place_mesh(self._held(mesh, name), _rows(placement @ world_from_mesh))
-            self._in_memory.add(f"the mesh {name or placed}")
-            id = self._add({"mesh": {"file": placed}}, chosen, name, id, remember=False)
-        assert id is not None
-        self._objects.append(Object(id, name))
+            placed = self._text.place_mesh(self._held(mesh, name), _transforms.rows(placement @ world_from_mesh))
+            id = self._add({"mesh": {"file": placed}}, chosen, id)
+            self._in_memory[placed] = f"the mesh {name or placed}"
+        if id is None:
+            raise ValueError(f"{type(shape).__name__} has no triangles")
         return id
 
-    def _add_file(
-        self, path: str, material: AnyMaterial | str | None, transform: npt.NDArray[np.float64], name: str | None, id: int | None
-    ) -> int:
-        mesh: dict[str, Any] = {"file": os.path.abspath(path), **_placement(transform)}
-        return self._add({"mesh": mesh}, material, name, id, checked=True)
-
     def _add(
-        self,
-        table: dict[str, Any],
-        material: AnyMaterial | str | None,
-        name: str | None,
-        id: int | None,
-        *,
-        checked: bool = False,
-        remember: bool = True,
+        self, table: dict[str, Any], material: AnyMaterial | str | None, id: int | None, *, checked: bool = False
     ) -> int:
         if isinstance(material, str) and material not in self.materials:
             raise ValueError(f"the scene has no material {material!r}: it has {', '.join(self.materials) or 'none'}")
-        called = self._name_of(material)
         # Meshes in memory were checked when they were put there, and reading all of a large scene takes a while.
         if "mesh" not in table:
             _raggio.SceneText.check_shape(_toml.value({"material": "material", **table}), _toml.value({}))
-        number = self._text.add_shape(_toml.value({"material": called, **table}), id, checked=checked)
-        if remember:
-            self._objects.append(Object(number, name))
-        return number
+        called = self._name_of(material)
+        return self._text.add_shape(_toml.value({"material": called, **table}), id, checked=checked)
 
     def _held(self, mesh: Mesh, name: str | None) -> str:
         """Name of the mesh in memory."""
@@ -169,7 +176,9 @@ class Scene:
             table = {"principled": table}
         text = _toml.value(table)
         if '"memory:' not in text:
-            _raggio.SceneText.check_shape('{ material = "material", sphere = { center = [0, 0, 0], radius = 1 } }', text)
+            _raggio.SceneText.check_shape(
+                '{ material = "material", sphere = { center = [0, 0, 0], radius = 1 } }', text
+            )
         self._text.set(["materials", name], text)
         self._materials[name] = material
 
@@ -194,7 +203,7 @@ class Scene:
             name = self._text.give_radiance(np.ascontiguousarray(array, dtype=np.float32))
         else:
             raise ValueError(f"the image is {array.dtype} {array.shape}: give bytes, or floats (height, width, 3)")
-        self._in_memory.add(f"the image {name}")
+        self._in_memory[name] = f"the image {name}"
         return name
 
     def _absolute(self, table: Mapping[str, Any], images: Iterable[str]) -> dict[str, Any]:
@@ -253,21 +262,23 @@ class Scene:
         Raises :class:`SceneError` where meshes or images are in memory, which no text can name, and where there is no
         camera.
         """
-        if self._in_memory:
-            what = sorted(self._in_memory)
+        text = self._text.text()
+        if what := [words for name, words in self._in_memory.items() if f'"{name}"' in text]:
             more = f" and {len(what) - 1} more" if len(what) > 1 else ""
-            raise SceneError(f"{what[0]}{more} in this scene is in memory, and no text can name it: write it to a file, and add that")
+            raise SceneError(
+                f"{what[0]}{more} in this scene is in memory, and no text can name it: write it to a file, and add that"
+            )
         if self.camera is None:
             raise SceneError("the scene has no camera, which a scene file needs: set scene.camera")
         self._text.check()
-        return self._text.text()
+        return text
 
     def copy(self) -> Scene:
         """A copy, which shares meshes and images with this scene."""
         other = Scene.__new__(Scene)
         other._start(self._text.copy(), self._folder / self._name)
         other._objects = list(self._objects)
-        other._in_memory = set(self._in_memory)
+        other._in_memory = dict(self._in_memory)
         other._meshes = self._meshes.copy()
         other._materials = dict(self._materials)
         other._environment = self._environment
@@ -284,8 +295,8 @@ class Scene:
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        shapes = self._text.shapes
-        return f"<raggio.Scene {self._name!r}: {shapes} shape{'' if shapes == 1 else 's'}, {len(self.materials)} materials>"
+        shapes, plural = self._text.shapes, "" if self._text.shapes == 1 else "s"
+        return f"<raggio.Scene {self._name!r}: {shapes} shape{plural}, {len(self.materials)} materials>"
 
 
 class _Materials(MutableMapping[str, AnyMaterial]):
@@ -340,7 +351,9 @@ def load(
     Raises :class:`SceneError` where the file cannot be read, with the place and all that is wrong.
     """
     chosen = None if camera is None else str(camera)
-    text, told = _raggio.SceneText.load(os.fspath(path), allow_outside=allow_outside, time_seconds=time_seconds, camera=chosen)
+    text, told = _raggio.SceneText.load(
+        os.fspath(path), allow_outside=allow_outside, time_seconds=time_seconds, camera=chosen
+    )
     for warning in told:
         warnings.warn(warning, SceneWarning, stacklevel=2)
     scene = Scene.__new__(Scene)
@@ -362,42 +375,3 @@ def _turned_over(uvs: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
 def _plain(mesh: Mesh) -> AnyMaterial:
     """Material of a mesh that has none: colours of vertices show on white."""
     return Principled() if mesh.colors is not None else Material()
-
-
-def _matrix(transform: npt.ArrayLike | None) -> npt.NDArray[np.float64]:
-    if transform is None:
-        return np.eye(4)
-    matrix = np.asarray(transform, dtype=np.float64)
-    if matrix.shape not in ((4, 4), (3, 4)) or not np.isfinite(matrix).all():
-        raise ValueError(f"transform is of shape {matrix.shape}: give (4, 4) finite numbers")
-    matrix = np.vstack([matrix[:3], [0, 0, 0, 1]]) if matrix.shape == (3, 4) else matrix
-    if not np.allclose(matrix[3], (0, 0, 0, 1)):
-        raise ValueError(f"the last row of transform is {matrix[3].tolist()}: it should be [0, 0, 0, 1]")
-    if np.linalg.det(matrix[:3, :3]) == 0:
-        raise ValueError("transform leaves nothing of the mesh: its determinant is 0")
-    return matrix
-
-
-def _rows(matrix: npt.NDArray[np.float64]) -> list[float]:
-    rows: list[float] = matrix[:3].reshape(-1).tolist()
-    return rows
-
-
-def _placement(matrix: npt.NDArray[np.float64]) -> dict[str, Any]:
-    """Translation, rotation and scale of a scene file's mesh."""
-    linear = matrix[:3, :3].copy()
-    scale = np.linalg.norm(linear, axis=0)
-    if np.linalg.det(linear) < 0:
-        scale[0] = -scale[0]
-    turn = linear / scale
-    if not np.allclose(turn.T @ turn, np.eye(3), atol=1e-6):
-        raise ValueError("a model's file is moved, turned and stretched along its axes, and this transform shears it")
-    y = np.arcsin(np.clip(-turn[2, 0], -1, 1))
-    if abs(turn[2, 0]) < 1 - 1e-9:
-        x, z = np.arctan2(turn[2, 1], turn[2, 2]), np.arctan2(turn[1, 0], turn[0, 0])
-    else:
-        x, z = np.arctan2(-turn[1, 2], turn[1, 1]), 0.0
-    degrees = np.degrees([x, y, z])
-    return {"translation": matrix[:3, 3].tolist(), "rotation_degrees": degrees.tolist(), "scale": scale.tolist()}
-
-

@@ -17,7 +17,7 @@ __all__ = ["CocoWriter", "run_length", "write_transforms"]
 
 
 def run_length(mask: npt.ArrayLike) -> dict[str, Any]:
-    """A mask (height, width) in COCO's uncompressed run-length encoding: columns first, beginning with what is outside."""
+    """A mask (height, width) in COCO's run-length encoding, uncompressed: by columns, what is outside first."""
     array = np.asarray(mask, dtype=bool)
     if array.ndim != 2:
         raise ValueError(f"the mask is of shape {array.shape}: give (height, width)")

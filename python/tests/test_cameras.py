@@ -27,7 +27,9 @@ def test_conventions_agree() -> None:
     """The same pose by look_at, by OpenGL's matrix and by OpenCV's matrix with K shows the same."""
     size = (40, 30)
     looking = rg.Camera.look_at(POSITION, TARGET, vfov_degrees=50, size=size)
-    gl = rg.Camera.from_matrix(looking.world_from_camera(convention="opengl"), vfov_degrees=50, size=size, convention="opengl")
+    gl = rg.Camera.from_matrix(
+        looking.world_from_camera(convention="opengl"), vfov_degrees=50, size=size, convention="opengl"
+    )
     focal = 15 / math.tan(math.radians(25))
     K = [[focal, 0, 20], [0, focal, 15], [0, 0, 1]]
     # By hand: x right, y down, z forward.

@@ -39,7 +39,9 @@ def test_coco_masks_are_read_back(tmp_path, capsys) -> None:
         assert expected[y].any() and expected[:, x].any()
 
 
-@pytest.mark.parametrize("mask", [np.zeros((3, 2), bool), np.ones((3, 2), bool), np.eye(4, dtype=bool), np.zeros((0, 0))])
+@pytest.mark.parametrize(
+    "mask", [np.zeros((3, 2), bool), np.ones((3, 2), bool), np.eye(4, dtype=bool), np.zeros((0, 0))]
+)
 def test_run_lengths(mask) -> None:
     code = datasets.run_length(mask)
     values = np.arange(len(code["counts"])) % 2

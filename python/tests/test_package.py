@@ -8,7 +8,7 @@ from conftest import ROOT
 
 
 def test_sources_hold_what_is_compiled_in() -> None:
-    """Files outside the crates that are part of the program are listed for the source distribution, which has no others."""
+    """Files outside the crates that are compiled in are listed for the source distribution, which has no others."""
     listed = (ROOT / "pyproject.toml").read_text()
     patterns = [ROOT.glob(pattern) for pattern in re.findall(r'path = "([^"]+)", format = "sdist"', listed)]
     included = {path.resolve() for pattern in patterns for path in pattern}

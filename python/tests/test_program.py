@@ -12,7 +12,9 @@ import raggio as rg
 
 
 def run(*arguments: str, **options) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, "-m", "raggio", *arguments], text=True, capture_output=True, timeout=60, **options)
+    return subprocess.run(
+        [sys.executable, "-m", "raggio", *arguments], text=True, capture_output=True, timeout=60, **options
+    )
 
 
 def test_it_is_the_program() -> None:
@@ -32,7 +34,19 @@ def test_exit_statuses(file) -> None:
 
 def test_interrupted(file) -> None:
     output = file.parent / "a.png"
-    command = [sys.executable, "-m", "raggio", "render", str(file), "--device", "cpu", "--samples", "100000000", "-o", str(output)]
+    command = [
+        sys.executable,
+        "-m",
+        "raggio",
+        "render",
+        str(file),
+        "--device",
+        "cpu",
+        "--samples",
+        "100000000",
+        "-o",
+        str(output),
+    ]
     running = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     # The first line says that sampling begins.
     assert running.stderr is not None and "48x32" in running.stderr.readline()

@@ -63,7 +63,9 @@ def test_devices() -> None:
 
 def test_many_views_are_single_views() -> None:
     cameras = [rg.Camera.look_at((np.sin(a), 0.3, np.cos(a)), (0, 0, 0)) for a in (2.5, 3.5, 4.5)]
-    cameras = [rg.Camera.look_at(4 * np.array(c.position), (0, 0, 0), size=(16 + 4 * i, 12)) for i, c in enumerate(cameras)]
+    cameras = [
+        rg.Camera.look_at(4 * np.array(c.position), (0, 0, 0), size=(16 + 4 * i, 12)) for i, c in enumerate(cameras)
+    ]
     scene = ball()
     for i, image in rg.render_many(scene, cameras, samples=4, device="cpu", aovs=("depth", "object_id", "normal")):
         alone = render(scene, cameras[i], samples=4, aovs=("depth", "object_id", "normal"))

@@ -45,7 +45,9 @@ def test_views_do_not_leak() -> None:
     scene = lit()
     scene.add(SQUARE)
     cameras = [rg.Camera.look_at((4 * np.sin(a), 1, 4 * np.cos(a)), (0, 0, 0)) for a in np.linspace(0, 6, 400)]
-    for i, image in rg.render_many(scene, cameras, size=(64, 64), samples=4, device="cpu", aovs=("depth", "normal", "object_id")):
+    for i, image in rg.render_many(
+        scene, cameras, size=(64, 64), samples=4, device="cpu", aovs=("depth", "normal", "object_id")
+    ):
         assert image.samples == 4
         if i == 50:
             before = memory()

@@ -63,6 +63,28 @@ def test_what_is_no_mesh() -> None:
         rg.Scene().add(rg.Sphere((0, 0, 0), 1), material="clay")
 
 
+def test_what_fails_leaves_nothing() -> None:
+    scene = lit()
+    color = rg.Material(color=(0.1, 0.2, 0.3))
+    with pytest.raises(ValueError, match="0 is the background"):
+        scene.add(rg.Sphere((0, 0, 0), 1), material=color, id=0)
+    with pytest.raises(ValueError, match="emission_strength"):
+        scene.add(rg.Sphere((0, 0, 0), 1), material=rg.Material(emission_strength=-1))
+
+    class Group:
+        """A scene like those of trimesh, whose second mesh is at fault."""
+
+        class graph(dict):  # noqa: N801
+            nodes_geometry = ("one", "two")
+
+        graph = graph(one=(np.eye(4), "good"), two=(np.eye(4), "bad"))  # type: ignore[assignment]
+        geometry = {"good": rg.Mesh(*SQUARE), "bad": rg.Mesh(np.zeros((3, 3)), [[0, 1, 2]])}
+
+    with pytest.raises(rg.SceneError, match="no triangles with an area"):
+        scene.add(Group(), material=color)
+    assert scene == lit() and not scene.objects and not scene.materials
+
+
 def test_degenerate_faces_are_a_warning() -> None:
     vertices, faces = SQUARE
     with pytest.warns(rg.SceneWarning, match="1 faces without area were left out"):
@@ -165,6 +187,12 @@ def test_text_and_equality(tmp_path) -> None:
     copy.add(rg.Sphere((3, 0, 0), 1))
     assert copy != scene and scene != "scene"
     assert repr(scene) == "<raggio.Scene 'scene': 1 shape, 1 materials>"
+    scene.environment = rg.Environment(image=np.ones((2, 4, 3), dtype=np.float32))
+    with pytest.raises(rg.SceneError, match="the image memory:1 in this scene is in memory"):
+        scene.to_toml()
+    scene.environment = rg.Environment(color=(1, 1, 1))
+    path.write_text(scene.to_toml())
+    assert rg.load(path)._text.equals(scene._text)
     scene.add(SQUARE, name="cup")
     with pytest.raises(rg.SceneError, match="the mesh cup in this scene is in memory"):
         scene.to_toml()

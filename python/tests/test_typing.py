@@ -49,7 +49,17 @@ rg.render(rg.Scene(), samples="many")
 def mypy(text: str, folder) -> subprocess.CompletedProcess[str]:
     path = folder / "example.py"
     path.write_text(text)
-    command = [sys.executable, "-m", "mypy", "--strict", "--python-version", "3.11", "--cache-dir", str(folder), str(path)]
+    command = [
+        sys.executable,
+        "-m",
+        "mypy",
+        "--strict",
+        "--python-version",
+        "3.11",
+        "--cache-dir",
+        str(folder),
+        str(path),
+    ]
     return subprocess.run(command, text=True, capture_output=True, cwd=folder)
 
 

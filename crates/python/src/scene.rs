@@ -291,13 +291,26 @@ impl SceneText {
         inner.changed();
         drop(inner);
         if checked && let Err(error) = guarded(py, || on_threads(|| self.lock().read())) {
-            let mut inner = self.lock();
-            pop(inner.document.as_table_mut());
-            inner.ids.pop();
-            inner.changed();
+            self.take_last();
             return Err(error);
         }
         Ok(id)
+    }
+
+    /// Number of `[[shapes]]` that were added.
+    #[getter]
+    fn added(&self) -> usize {
+        self.lock().ids.len()
+    }
+
+    /// Takes away the last of the `[[shapes]]` that were added.
+    fn take_last(&self) {
+        let mut inner = self.lock();
+        if inner.ids.pop().is_some() {
+            let shape = pop(inner.document.as_table_mut());
+            inner.changed();
+            inner.forget(shape);
+        }
     }
 
     /// Puts a mesh into memory, and returns the name by which shapes have it, and a warning.
@@ -388,11 +401,11 @@ fn put(document: &mut DocumentMut, path: &[String], value: Option<Item>) -> PyRe
 }
 
 /// Takes the last shape away.
-fn pop(root: &mut Table) {
+fn pop(root: &mut Table) -> Option<Item> {
     match root.get_mut("shapes") {
-        Some(Item::ArrayOfTables(shapes)) => drop(shapes.remove(shapes.len() - 1)),
-        Some(Item::Value(Value::Array(shapes))) => drop(shapes.remove(shapes.len() - 1)),
-        _ => {}
+        Some(Item::ArrayOfTables(shapes)) => Some(Item::Table(shapes.remove(shapes.len() - 1))),
+        Some(Item::Value(Value::Array(shapes))) => Some(Item::Value(shapes.remove(shapes.len() - 1))),
+        _ => None,
     }
 }
 
