@@ -1,7 +1,7 @@
 # Every target that builds first sees to it that the machine can: setup takes a moment when all is there.
 .DEFAULT_GOAL := help
 .NOTPARALLEL: # cargo uses all cores by itself, and two set-ups at once would collide
-.PHONY: help setup setup-tests demo install uninstall test test-long fuzz gallery bench curves style lint deny clean
+.PHONY: help setup setup-tests setup-python demo install uninstall python test test-python test-long fuzz gallery bench curves style lint deny clean
 
 env := . scripts/env.sh &&
 # Tests also run the CPU kernels with bounds checks; what checks builds the same, or it would be built twice.
@@ -21,6 +21,9 @@ setup: ## install what is missing: slangc and Python tools into .venv
 setup-tests: # setup, and a software Vulkan device where root can install one
 	@bash scripts/setup.sh --tests
 
+setup-python: # setup, and what builds and tests the Python module
+	@bash scripts/setup.sh --python
+
 demo: setup ## build raggio and render its showcase
 	@# Without the window, and for this processor alone: a third of what there is to compile.
 	$(env) RAGGIO_KERNEL_LEVELS=native cargo run --release --package raggio-cli --no-default-features -- demo
@@ -32,8 +35,15 @@ install: setup ## put raggio, completions and manual pages into PREFIX (~/.local
 uninstall: ## take away what `make install` put into PREFIX
 	bash scripts/install.sh --remove "$(DESTDIR)$(PREFIX)"
 
+# Without the window, and for this processor alone, as the demo. `pip install .` builds all of it.
+python: setup-python ## build the Python module into .venv
+	$(env) RAGGIO_KERNEL_LEVELS=native maturin develop --release --no-default-features
+
 test: setup-tests ## build and run all tests
 	$(test_env) cargo test --release --workspace
+
+test-python: python ## test the Python module
+	$(env) python -m pytest -q
 
 # Every lamp on every material alone, every lamp at every depth, software Vulkan beside Mitsuba's pictures, and CONTRIBUTING's
 # disk built into a copy of the tree: what takes long and has rarely found anything beyond what `make test` runs. No run for

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Gets a machine ready to build raggio; `make setup` calls it. Safe to repeat: it installs only what is
-# missing, and returns at once when nothing is. With --tests, also what the Vulkan tests need.
+# missing, and returns at once when nothing is. With --tests, also what the Vulkan tests need; with --python, what builds
+# and tests the Python module.
 # Python packages and slangc go into .venv/ in the project. The system is touched through apt-get alone, and
 # only by root (or a sudo that asks no password); elsewhere the script says what to install, and exits with 2.
 set -euo pipefail
@@ -154,6 +155,13 @@ get_python_tools() {
     fi
 }
 
+get_python_module_tools() {
+    [ -e "$stamp-python" ] && return
+    say "installing maturin, pytest, mypy and trimesh into .venv (40 MB, once)"
+    pip_install scripts/requirements-python.txt && touch "$stamp-python" && return
+    lack "maturin, pytest, mypy and trimesh could not be installed: check the network and run this again."
+}
+
 # ---- Vulkan for the tests: loader, validation layers, lavapipe, a device that needs no GPU, and a virtual screen
 
 has_vulkan_for_tests() {
@@ -217,8 +225,8 @@ get_vulkan_for_tests() {
 # ---- What is done
 
 case ${1:-} in
-'' | --tests) ;;
-*) warn "usage: scripts/setup.sh [--tests]" && exit 2 ;;
+'' | --tests | --python) ;;
+*) warn "usage: scripts/setup.sh [--tests | --python]" && exit 2 ;;
 esac
 
 need has_compiler "g++" "A C++ compiler ${CXX:+(CXX=$CXX does not work) }is missing: install g++ (Debian/Ubuntu), gcc-c++ (Fedora), gcc (Arch) \
@@ -247,6 +255,7 @@ if [ -z "$incomplete" ]; then
     make_venv || { lack "Python could not make .venv; the lines above say why." && exit 2; }
     get_slangc
     [ -n "$incomplete" ] || get_python_tools
+    [ -n "$incomplete" ] || [ "${1:-}" != --python ] || get_python_module_tools
 fi
 [ -z "$incomplete" ] || exit 2
 [ "${1:-}" != --tests ] || get_vulkan_for_tests

@@ -1,5 +1,4 @@
 use std::path::Path;
-use std::process::ExitCode;
 
 use raggio_render::{DenoiseError, DeviceError, FilmError, OutputError, RenderError, TooLarge};
 use raggio_scene::{SceneError, display_name};
@@ -21,12 +20,12 @@ pub enum Failure {
 }
 
 impl Failure {
-    pub fn exit_code(&self) -> ExitCode {
+    pub fn exit_status(&self) -> u8 {
         match self {
-            Self::Input(_) => ExitCode::from(2),
-            Self::Device(_) => ExitCode::from(3),
-            Self::Unwritten(_) => ExitCode::from(4),
-            Self::Interrupted(signal) => ExitCode::from(128 + signal),
+            Self::Input(_) => 2,
+            Self::Device(_) => 3,
+            Self::Unwritten(_) => 4,
+            Self::Interrupted(signal) => 128 + signal,
         }
     }
 }

@@ -44,7 +44,9 @@ fn layers_say_what_is_seen() {
         let [found, _] = numbers(name);
         assert!((found - expected).abs() < 0.02, "{name}: expected {expected}, found {found}");
     };
-    for (name, expected) in [("albedo.R", 0.8), ("albedo.G", 0.4), ("albedo.B", 0.2), ("depth.Z", 3.0)] {
+    for (name, expected) in
+        [("albedo.R", 0.8), ("albedo.G", 0.4), ("albedo.B", 0.2), ("depth.Z", 3.0), ("distance.Z", 3.0)]
+    {
         near(name, expected);
     }
     for (name, expected) in [("normal.X", 0.0), ("normal.Y", 0.0), ("normal.Z", 1.0)] {
@@ -53,7 +55,7 @@ fn layers_say_what_is_seen() {
     for (name, expected) in [("position.X", 0.0), ("position.Y", 1.0), ("position.Z", 1.0), ("motion.X", 0.0)] {
         near(name, expected);
     }
-    assert_eq!(numbers("depth.Z")[1], f32::INFINITY);
+    assert_eq!([numbers("depth.Z")[1], numbers("distance.Z")[1]], [f32::INFINITY; 2]);
     assert_eq!([numbers("normal.Z")[1], numbers("position.Z")[1], numbers("variance.Y")[1]], [0.0; 3]);
     assert!(numbers("variance.Y")[0] >= 0.0 && numbers("motion.Y") == [0.0; 2]);
     assert_eq!((wholes("object_id.I"), wholes("material_id.I"), wholes("samples.N")), ([1, 0], [1, 0], [64, 64]));

@@ -26,7 +26,7 @@ pub use pictures::display::{Display, Pixels, show_image};
 pub use pictures::file_faults::{file_fault_is_due, pretend_file_fault};
 pub use pictures::film::{Film, FilmError, Label, MergeError, Portion, film_bytes};
 pub use pictures::format::PictureFormat;
-pub use pictures::image_file::{Extras, ImageFile, OutputError, write_png};
+pub use pictures::image_file::{Extras, ImageFile, OutputError, encode_png, write_png};
 pub use pictures::image_input::InputError;
 pub use pictures::linear_image::Image;
 pub use pictures::metadata::Metadata;

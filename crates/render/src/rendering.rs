@@ -39,6 +39,8 @@ pub struct Rendering {
     resumed: Option<PathBuf>,
     /// Seconds that were spent before a checkpoint was written, and until now.
     spent: f64,
+    /// Whether sampling has come to its own end.
+    is_done: bool,
     /// Warnings for the observer, who is not there yet.
     warnings: Vec<String>,
 }
@@ -101,9 +103,7 @@ impl Rendering {
     /// A [`RenderError`] when the picture or the scene is too large, the checkpoint is of something else, or the device
     /// fails.
     pub fn begin(scene: &Scene, device: &dyn Device, request: RenderRequest) -> Result<Self, RenderError> {
-        // What a denoiser works in is about as large as two films.
-        let denoiser = if request.denoise { 2 } else { 0 };
-        check_films(scene.render.width, scene.render.height, request.features().len() as u64 + denoiser)?;
+        check_films(scene.render.width, scene.render.height, request.films_beside())?;
         let device_scene = DeviceScene::new(scene)?;
         let session = device.load(&device_scene)?;
         let mut renderer = Renderer::new(session, &device_scene, request.stop.samples(&scene.render));
@@ -125,7 +125,7 @@ impl Rendering {
             renderer.resume(&checkpoint, &path)?;
             (resumed, spent) = (Some(path), checkpoint.state.spent);
         }
-        Ok(Self { renderer, scene: device_scene, request, metadata, keeper, resumed, spent, warnings })
+        Ok(Self { renderer, scene: device_scene, request, metadata, keeper, resumed, spent, is_done: false, warnings })
     }
 
     /// Path of the checkpoint that the render goes on from, if there is one.
@@ -152,6 +152,42 @@ impl Rendering {
         self.renderer.session().prepare()
     }
 
+    /// Changes how many samples each pixel is to have, for [`Rendering::sample`] to go on.
+    pub fn set_target(&mut self, samples: u32) {
+        self.renderer.set_target(samples);
+    }
+
+    /// Begins anew with another scene; what both have in common stays on the device.
+    ///
+    /// # Errors
+    /// The errors of [`Rendering::begin`]; only another change of the scene can follow them.
+    pub fn change(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        self.check_memory(scene)?;
+        self.scene.update(scene)?;
+        self.restart(scene)
+    }
+
+    /// Begins anew with another camera, size or other settings; `scene` differs from that before in nothing else.
+    ///
+    /// # Errors
+    /// The errors of [`Rendering::begin`].
+    pub fn look(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        self.check_memory(scene)?;
+        self.scene.set_view(scene)?;
+        self.restart(scene)
+    }
+
+    fn check_memory(&self, scene: &Scene) -> Result<(), TooLarge> {
+        check_films(scene.render.width, scene.render.height, self.request.films_beside())
+    }
+
+    fn restart(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        self.renderer.restart(&self.scene)?;
+        self.spent = 0.0;
+        self.metadata = Metadata::new(scene, &self.request.name);
+        Ok(())
+    }
+
     /// Flag that ends sampling at once, when it is set: also while the device is at work.
     pub fn stop_flag(&self) -> Arc<AtomicBool> {
         self.renderer.stop_flag()
@@ -163,15 +199,23 @@ impl Rendering {
     /// # Errors
     /// A [`DeviceError`] when the device fails and the film is lost with it, but for what a checkpoint has.
     pub fn run(mut self, observer: &mut dyn Observer) -> Result<Rendered, DeviceError> {
-        std::mem::take(&mut self.warnings).iter().for_each(|warning| observer.warn(warning));
-        observer.begin(Phase::Sampling);
-        let (is_done, mut failure) = match self.sample(observer) {
-            Ok(is_done) => (is_done, None),
-            Err(error) => (false, Some(error)),
-        };
+        let failure = self.sample(observer).err();
+        self.develop(observer, failure)
+    }
+
+    /// Makes the picture of the samples that there are, with layers and guides unless the device has met a `failure`. The
+    /// rendering stays as it is, and more samples may follow; its checkpoints go with the picture.
+    ///
+    /// # Errors
+    /// `failure`, or another [`DeviceError`], when the film is lost with the device, but for what a checkpoint has.
+    pub fn develop(
+        &mut self,
+        observer: &mut dyn Observer,
+        mut failure: Option<DeviceError>,
+    ) -> Result<Rendered, DeviceError> {
         let progress = self.renderer.progress();
         let mut finished = self.renderer.finished();
-        let (film, unsaved, checkpoint) = match self.end(&progress, is_done, failure.is_some(), observer) {
+        let (film, unsaved, checkpoint) = match self.end(&progress, failure.is_some(), observer) {
             Ok((film, checkpoint)) => (film, Some((self.renderer.late_label(), self.sampling_state())), checkpoint),
             // A lost device has usually lost the film with it: then its first failure is what to report, and the picture
             // is that of the last checkpoint.
@@ -203,8 +247,14 @@ impl Rendering {
         Ok(Rendered { picture, progress, finished, failure, checkpoint, shapes, triangles, keeper, unsaved })
     }
 
-    /// Takes samples. Returns whether there are enough, in number or by the clock.
-    fn sample(&mut self, observer: &mut dyn Observer) -> Result<bool, DeviceError> {
+    /// Takes samples until there are enough, in number or by the clock, or `observer` breaks off.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails.
+    pub fn sample(&mut self, observer: &mut dyn Observer) -> Result<(), DeviceError> {
+        std::mem::take(&mut self.warnings).iter().for_each(|warning| observer.warn(warning));
+        observer.begin(Phase::Sampling);
+        self.is_done = false;
         let start = Instant::now();
         // Whoever goes on has spent some of the time already.
         let before = self.spent;
@@ -243,7 +293,8 @@ impl Rendering {
         }
         // What follows is not to be stopped by who has stopped this.
         self.stop_flag().store(false, Ordering::Relaxed);
-        Ok(is_done)
+        self.is_done = is_done;
+        Ok(())
     }
 
     /// Reads the film at the end of sampling, and keeps it in a checkpoint where there is to be one, until its files are
@@ -251,7 +302,6 @@ impl Rendering {
     fn end(
         &mut self,
         progress: &Progress,
-        is_done: bool,
         has_failed: bool,
         observer: &mut dyn Observer,
     ) -> Result<(Film, Option<PathBuf>), DeviceError> {
@@ -264,7 +314,7 @@ impl Rendering {
         if self.keeper.as_ref().is_some_and(is_wanted) {
             path = self.save(&checkpoint, progress, observer);
             // Who is done writes files next, and saves the film elsewhere only if these cannot be written.
-            if let (None, Some(keeper)) = (&path, self.keeper.as_ref().filter(|_| !is_done)) {
+            if let (None, Some(keeper)) = (&path, self.keeper.as_ref().filter(|_| !self.is_done)) {
                 path = keeper.save_elsewhere(&checkpoint, &refuges());
             }
         }
@@ -302,8 +352,8 @@ impl Rendering {
         Features::render(&mut self.renderer, &wanted, samples, || observer.progress(&progress))
     }
 
-    fn picture(self, film: Film, features: Option<Features>) -> Picture {
-        let mut extras = Extras { channels: vec![], metadata: Some(self.metadata) };
+    fn picture(&self, film: Film, features: Option<Features>) -> Picture {
+        let mut extras = Extras { channels: vec![], metadata: Some(self.metadata.clone()) };
         if let Some(metadata) = &mut extras.metadata {
             metadata.samples = film.pixels().iter().map(|pixel| pixel.samples).max().unwrap_or(0);
         }

@@ -46,6 +46,13 @@ impl RenderRequest {
         }
         wanted
     }
+
+    /// Number of films beside that of the picture whose memory layers and guides take.
+    pub(crate) fn films_beside(&self) -> u64 {
+        // What a denoiser works in is about as large as two films.
+        let denoiser = if self.denoise { 2 } else { 0 };
+        self.features().len() as u64 + denoiser
+    }
 }
 
 /// End of sampling: whichever of these limits comes first.

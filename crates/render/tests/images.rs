@@ -112,6 +112,28 @@ fn names_in_metadata_are_utf_8() {
     assert_eq!(Image::load(&path).expect("a picture"), film().mean());
 }
 
+/// Means are all that a front end keeps of a film; dim ones are below the steps of its sums.
+#[test]
+fn files_of_means_are_those_of_the_film() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let dim =
+        FilmPixel { red: raggio_kernels::FixedSum { low: 1, middle: 0, high: 0 }, samples: 3, ..FilmPixel::default() };
+    let pixels = film().pixels().iter().copied().map(|pixel| if pixel.red.middle == 0 { dim } else { pixel }).collect();
+    let film = Film::from_pixels(3, 2, pixels);
+    for name in ["a.exr", "a.png"] {
+        let [of_film, of_means] = ["film", "means"].map(|kind| folder.path().join(format!("{kind}.{name}")));
+        let file = |path: &Path| ImageFile::new(path).expect("a format");
+        file(&of_film).write(&film, Display::default()).expect("the picture is written");
+        let written = file(&of_means).write_image(&film.mean(), Display::default(), &Extras::default());
+        written.expect("the picture is written");
+        let read = |path: &Path| std::fs::read(path).expect("the file");
+        assert_eq!(read(&of_film), read(&of_means), "{name}");
+        if name == "a.png" {
+            assert_eq!(read(&of_means), raggio_render::encode_png(&film.mean(), Display::default()).expect("a PNG"));
+        }
+    }
+}
+
 #[test]
 fn png_values_become_linear() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -171,3 +171,52 @@ fn a_device_that_fails_leaves_its_film() {
     let error = rendering.run(&mut Ear::patient(usize::MAX)).expect_err("the film is lost");
     assert_eq!(error.to_string(), "the third portion", "the first failure is told");
 }
+
+/// The scene seen from elsewhere, in another size.
+fn elsewhere() -> Scene {
+    let mut scene = scene();
+    scene.camera.position.x = 2.0;
+    (scene.render.width, scene.render.height) = (8, 4);
+    scene
+}
+
+/// Picture of a rendering that is kept.
+fn developed(rendering: &mut Rendering) -> Rendered {
+    rendering.sample(&mut Ear::patient(usize::MAX)).expect("the device works");
+    rendering.develop(&mut Ear::patient(usize::MAX), None).expect("the film is there")
+}
+
+#[test]
+fn a_rendering_that_looks_elsewhere_is_a_new_one() {
+    let request = RenderRequest { layers: vec![Aov::Depth, Aov::Distance, Aov::ObjectId], ..RenderRequest::default() };
+    let device = cpu();
+    let mut kept = Rendering::begin(&scene(), &device, request.clone()).expect("the scene loads");
+    developed(&mut kept);
+    let mut brighter = elsewhere();
+    brighter.materials[0].color.x = 0.1;
+    brighter.shapes.push(brighter.shapes[0].clone());
+    for (scene, changed) in [(elsewhere(), false), (brighter, true), (scene(), true)] {
+        let done = if changed { kept.change(&scene) } else { kept.look(&scene) };
+        done.expect("the scene loads");
+        let (again, anew) =
+            (developed(&mut kept), rendered(&scene, &device, request.clone(), &mut Ear::patient(usize::MAX)));
+        assert_eq!(again.picture.film, anew.picture.film);
+        assert_eq!(again.picture.extras.channels, anew.picture.extras.channels);
+        assert_eq!(again.shapes, anew.shapes);
+    }
+}
+
+#[test]
+fn samples_that_follow_are_those_of_one_render() {
+    let device = cpu();
+    let stop = Stop { samples: Some(0..2), ..Stop::default() };
+    let request = RenderRequest { stop, layers: vec![Aov::Depth, Aov::Samples], ..RenderRequest::default() };
+    let mut kept = Rendering::begin(&scene(), &device, request.clone()).expect("the scene loads");
+    assert_eq!(developed(&mut kept).picture.film.sample_range(), (2, 2));
+    kept.set_target(7);
+    let stop = Stop { samples: Some(0..7), ..Stop::default() };
+    let whole = rendered(&scene(), &device, RenderRequest { stop, ..request }, &mut Ear::patient(usize::MAX));
+    let picture = developed(&mut kept).picture;
+    assert_eq!(picture.film, whole.picture.film);
+    assert_eq!(picture.extras.channels[1], whole.picture.extras.channels[1]);
+}

@@ -3,12 +3,13 @@
 mod cache;
 mod imported;
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use raggio_choice::endings;
 use raggio_images::{Bitmap, Image, ImageError, Limits, Problem};
-use raggio_models::{Format, LoadOptions, Place};
+use raggio_models::{Format, LoadOptions, Model, Place};
 
 use crate::names;
 use cache::{Cache, Key};
@@ -39,6 +40,10 @@ pub struct Assets {
     options: AssetOptions,
     models: Cache<Imported>,
     images: Cache<Picture>,
+    /// Models that no file holds, by the paths at which scenes find them.
+    given_models: HashMap<PathBuf, Arc<Imported>>,
+    /// Images that no file holds, by the paths at which scenes find them.
+    given_images: HashMap<PathBuf, Arc<Picture>>,
     /// Whether files have changed that no scene was made of since.
     is_stale: bool,
 }
@@ -47,6 +52,29 @@ impl Assets {
     /// Assets that have not read any file yet.
     pub fn new(options: AssetOptions) -> Self {
         Self { options, ..Self::default() }
+    }
+
+    /// Gives a model that is in memory to scenes that name a mesh at `path`, whether there is such a file or not. It is kept
+    /// whether a scene names it or not.
+    pub fn give_model(&mut self, path: PathBuf, model: Model) {
+        self.given_models.insert(path, Arc::new(Imported::new(model)));
+    }
+
+    /// Gives an image that is in memory to scenes that name one at `path`, as [`Assets::give_model`] does.
+    pub fn give_image(&mut self, path: PathBuf, image: Arc<Bitmap>) {
+        self.given_images.insert(path, Arc::new(Picture { bitmap: image, warnings: Vec::new() }));
+    }
+
+    /// Forgets what was given at `path`.
+    pub fn take_back(&mut self, path: &Path) {
+        self.given_models.remove(path);
+        self.given_images.remove(path);
+    }
+
+    /// Gives to `others` what was given to these.
+    pub fn lend(&self, others: &mut Self) {
+        others.given_models.extend(self.given_models.iter().map(|(path, model)| (path.clone(), model.clone())));
+        others.given_images.extend(self.given_images.iter().map(|(path, image)| (path.clone(), image.clone())));
     }
 
     /// Options that these assets were made with.
@@ -82,6 +110,9 @@ impl Assets {
 
     /// The model at `path`, at the moment of `time_seconds` unless the options say another.
     pub(crate) fn model(&mut self, path: PathBuf, time_seconds: Option<f64>) -> Result<Arc<Imported>, Trouble> {
+        if let Some(given) = self.given_models.get(&path) {
+            return Ok(given.clone());
+        }
         let Some(format) = Format::of_path(&path) else {
             return Err(Trouble::whole(format!("is not a model: give a {} file", endings::<Format>())));
         };
@@ -99,6 +130,9 @@ impl Assets {
 
     /// The image at `path`.
     pub(crate) fn image(&mut self, path: PathBuf) -> Result<Arc<Picture>, Trouble> {
+        if let Some(given) = self.given_images.get(&path) {
+            return Ok(given.clone());
+        }
         self.images.get_or_read(Key::new(path, None), |path| {
             let most_bytes = budget(Limits::default().most_bytes);
             let image = Image::load(path, &Limits { most_bytes, ..Limits::default() });

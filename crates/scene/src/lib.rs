@@ -53,7 +53,8 @@ pub use names::display_name;
 pub use raggio_choice::{Choice, UnknownName};
 pub use raggio_images::{Bitmap, Texels};
 pub use raggio_models::{
-    AlphaMode, Format as ModelFormat, Light, LightKind, Mesh, Part, Principled, Texture, TextureFilter, Wrap,
+    AlphaMode, Format as ModelFormat, Instance, Light, LightKind, Mesh, Model, ModelError, Part, Principled, Texture,
+    TextureFilter, Wrap,
 };
 pub use scene::{
     Camera, Entry, Environment, Filter, Geometry, Integrator, Material, Placement, Reflection, RenderSettings, Sampler,

@@ -24,6 +24,8 @@ choice! {
         GuideNormal = "guide_normal",
         /// Distance of the first surface along the view direction, infinite where there is none: depth.Z
         Depth = "depth",
+        /// Distance of the first surface along the ray, infinite where there is none: distance.Z
+        Distance = "distance",
         /// Position of the first surface in the world: position.X, .Y, .Z
         Position = "position",
         /// Motion in pixels a frame, 0 for scenes stand still: motion.X, .Y
@@ -73,6 +75,7 @@ impl Aov {
             Self::GuideAlbedo => &[Feature::GuideAlbedo],
             Self::GuideNormal => &[Feature::GuideNormal],
             Self::Depth => &[Feature::PlaneDepth, Feature::Hit],
+            Self::Distance => &[Feature::Depth, Feature::Hit],
             Self::Position => &[Feature::Position, Feature::Hit],
             Self::ObjectId => &[Feature::Object],
             Self::MaterialId => &[Feature::Material],
@@ -89,7 +92,8 @@ impl Aov {
             Self::Normal => self.vector(["X", "Y", "Z"], features.normals()),
             Self::GuideAlbedo => self.vector(["R", "G", "B"], features.guide_albedos()),
             Self::GuideNormal => self.vector(["X", "Y", "Z"], features.guide_normals()),
-            Self::Depth => vec![self.channel("Z", Values::F32(features.depths()))],
+            Self::Depth => vec![self.channel("Z", Values::F32(features.distances(Feature::PlaneDepth)))],
+            Self::Distance => vec![self.channel("Z", Values::F32(features.distances(Feature::Depth)))],
             Self::Position => self.vector(["X", "Y", "Z"], features.positions()),
             Self::Motion => {
                 ["X", "Y"].map(|axis| self.channel(axis, Values::F32(vec![0.0; radiance.pixels().len()]))).into()
@@ -201,13 +205,13 @@ impl Features {
         (0..self.pixels()).map(normal).collect()
     }
 
-    /// Mean depths of what is covered in each pixel; infinite where nothing is.
-    fn depths(&self) -> Vec<f32> {
-        let depth = |i: usize| match self.mean(Feature::Hit, i)[0] {
-            coverage if coverage > 0.0 => (self.mean(Feature::PlaneDepth, i)[0] / coverage) as f32,
+    /// Mean distances, as `feature` measures them, of what is covered in each pixel; infinite where nothing is.
+    fn distances(&self, feature: Feature) -> Vec<f32> {
+        let distance = |i: usize| match self.mean(Feature::Hit, i)[0] {
+            coverage if coverage > 0.0 => (self.mean(feature, i)[0] / coverage) as f32,
             _ => f32::INFINITY,
         };
-        (0..self.pixels()).map(depth).collect()
+        (0..self.pixels()).map(distance).collect()
     }
 
     /// Mean positions of what is covered in each pixel; 0 where nothing is.

@@ -10,6 +10,7 @@ use crate::pictures::aov::{Channel, Values};
 use crate::pictures::display::{Display, displayed, displayed_16_bits};
 use crate::pictures::film::Film;
 use crate::pictures::format::PictureFormat;
+use crate::pictures::linear_image::Image;
 use crate::pictures::metadata::Metadata;
 use crate::pictures::output_file::{OutputFile, write_whole};
 use crate::pictures::png_file::{PngBits, encode_8_bits, encode_16_bits};
@@ -120,28 +121,48 @@ impl ImageFile {
         self.write_with(film, display, &Extras::default())
     }
 
+    /// Writes the means of a film that is gone, as [`ImageFile::write_with`] writes the film: an EXR of the same bytes.
+    ///
+    /// # Errors
+    /// An [`OutputError`] when the file cannot be written.
+    pub fn write_image(&self, image: &Image, display: Display, extras: &Extras) -> Result<(), OutputError> {
+        if self.format != PictureFormat::Exr {
+            return self.write_with(&Film::from_image(image), display, extras);
+        }
+        let mut bytes = io::Cursor::new(Vec::new());
+        self.finish(write_exr(image, extras, &mut bytes), bytes)
+    }
+
     /// Writes `film` together with layers and metadata, which EXR alone has room for, whole or not at all.
     ///
     /// # Errors
     /// An [`OutputError`] when the file cannot be written.
     pub fn write_with(&self, film: &Film, display: Display, extras: &Extras) -> Result<(), OutputError> {
-        let unwritable = |source| OutputError::Unwritable { path: self.path().into(), source };
         let mut bytes = io::Cursor::new(Vec::new());
         let size = [film.width(), film.height()];
-        match (self.format, self.png_bits) {
+        let encoded = match (self.format, self.png_bits) {
             (PictureFormat::Png, PngBits::Eight) => {
                 encode_8_bits(size, bytemuck::cast_slice(&displayed(film, display)), &mut bytes)
             }
             (PictureFormat::Png, PngBits::Sixteen) => {
                 encode_16_bits(size, &displayed_16_bits(film, display), &mut bytes)
             }
-            (PictureFormat::Exr, _) => write_exr(film, extras, &mut bytes),
+            (PictureFormat::Exr, _) => write_exr(&film.mean(), extras, &mut bytes),
             (PictureFormat::Film, _) => {
-                return self.file.write_with(&|to| film.write_to(to, &[])).map_err(unwritable);
+                let written = self.file.write_with(&|to| film.write_to(to, &[]));
+                return written.map_err(|source| self.unwritable(source));
             }
-        }
-        .and_then(|()| self.file.write(bytes.get_ref()))
-        .map_err(unwritable)
+        };
+        self.finish(encoded, bytes)
+    }
+
+    fn finish(&self, encoded: io::Result<()>, bytes: io::Cursor<Vec<u8>>) -> Result<(), OutputError> {
+        let written = encoded.and_then(|()| self.file.write(bytes.get_ref()));
+        written.map_err(|source| self.unwritable(source))
+    }
+
+    fn unwritable(&self, source: io::Error) -> OutputError {
+        OutputError::Unwritable { path: self.path().into(), source }
     }
 }
 
@@ -156,8 +177,18 @@ pub fn write_png(path: &Path, size: [u32; 2], pixels: &[u8]) -> Result<(), Outpu
     outcome.map_err(|source| OutputError::Unwritable { path: path.into(), source })
 }
 
-fn write_exr(film: &Film, extras: &Extras, to: &mut io::Cursor<Vec<u8>>) -> io::Result<()> {
-    let mean = film.mean();
+/// PNG of a picture, as [`ImageFile`] writes it to a file.
+///
+/// # Errors
+/// When the picture is larger than a PNG may be.
+pub fn encode_png(image: &Image, display: Display) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let pixels = displayed(&Film::from_image(image), display);
+    encode_8_bits([image.width, image.height], bytemuck::cast_slice(&pixels), &mut bytes)?;
+    Ok(bytes)
+}
+
+fn write_exr(mean: &Image, extras: &Extras, to: &mut io::Cursor<Vec<u8>>) -> io::Result<()> {
     let (width, height) = (mean.width as usize, mean.height as usize);
     let color = |i: usize| FlatSamples::F32(mean.pixels.iter().map(|pixel| pixel[i]).collect());
     let colors = ["R", "G", "B"].into_iter().enumerate().map(|(i, name)| AnyChannel::new(name, color(i)));

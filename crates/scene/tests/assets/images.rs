@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Image, WritableImage};
-use raggio_scene::{Assets, Environment, Texels, Texture, TextureFilter, Wrap};
+use raggio_scene::{Assets, Bitmap, Environment, Texels, Texture, TextureFilter, Wrap};
 
 use crate::assets::files::Folder;
 
@@ -160,4 +160,30 @@ fn an_image_is_read_once_for_all_its_uses() {
     let Environment::Image { image, .. } = &scene.environment else { panic!("an image") };
     let texture = scene.materials[0].principled.as_ref().unwrap().base_color_texture.as_ref().unwrap();
     assert!(Arc::ptr_eq(image, &texture.image));
+}
+
+#[test]
+fn an_image_in_memory() {
+    let folder = Folder::new();
+    let body = "[environment]\nimage = \"pixel.hdr\"\n[materials.a.principled]\nnormal_map = \"memory:1\"\n";
+    let bitmap = |value: u8| Arc::new(Bitmap { width: 1, height: 1, texels: Texels::Rgba8(vec![[value; 4]]) });
+    let mut assets = Assets::default();
+    let told = folder.read(body, &mut assets).unwrap_err().to_string();
+    assert!(told.ends_with("scene.toml:9:14: memory:1: there is no such file"), "{told}");
+    assets.give_image(folder.path("memory:1"), bitmap(1));
+    // What is given stands before a file of that name.
+    assets.give_image(folder.path("pixel.hdr"), bitmap(2));
+    let mut lent = Assets::default();
+    assets.lend(&mut lent);
+    for assets in [&mut assets, &mut lent] {
+        let scene = folder.read(body, assets).unwrap();
+        let Environment::Image { image, .. } = &scene.environment else { panic!("an image") };
+        assert_eq!(**image, *bitmap(2));
+        let normals = scene.materials[0].principled.as_ref().unwrap().normal_texture.as_ref().unwrap();
+        assert_eq!(*normals.image, *bitmap(1));
+    }
+    assets.take_back(&folder.path("pixel.hdr"));
+    let scene = folder.read(body, &mut assets).unwrap();
+    let Environment::Image { image, .. } = &scene.environment else { panic!("an image") };
+    assert!(image.texels == Texels::Rgb32F(vec![[1.0, 0.5, 0.25]]));
 }

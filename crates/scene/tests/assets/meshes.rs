@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
-use raggio_scene::{AssetOptions, Assets, Counts, Placement, Scene, Vec3};
+use glam::{DAffine3, DMat3, DVec3};
+use raggio_scene::{AssetOptions, Assets, Counts, Instance, Mesh, Model, Part, Placement, Scene, Vec3};
 
 use crate::assets::files::{Folder, meshes};
 
@@ -168,4 +168,30 @@ fn a_time_of_what_stands_still() {
     let model = Scene::load_with(&folder.path("triangle.ply"), &mut assets).unwrap();
     let expected = "a time is given, but nothing in the scene moves: only .gltf and .glb files have animations";
     assert_eq!(model.warnings, [expected]);
+}
+
+#[test]
+fn a_mesh_in_memory() {
+    let folder = Folder::new();
+    let body = "[materials.a]\n[[shapes]]\nmaterial = \"a\"\nmesh = { file = \"memory:1\", translation = [0, 0, 5] }\n";
+    let mesh = Arc::new(Mesh {
+        positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        triangles: vec![[0, 1, 2]],
+        parts: vec![Part { name: "triangle".into(), material: None, triangles: 0..1 }],
+        ..Mesh::default()
+    });
+    let sheared = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Z));
+    let instance = Instance { name: "triangle".into(), mesh: 0, model_from_mesh: sheared };
+    let mut assets = Assets::default();
+    let model = Model { meshes: vec![mesh.clone()], instances: vec![instance], ..Model::default() };
+    assets.give_model(folder.path("memory:1"), model);
+    // Reading again gives the same allocation, so that devices have nothing to do.
+    for _ in 0..2 {
+        let scene = folder.read(body, &mut assets).unwrap();
+        let (held, world_from_mesh, _) = meshes(&scene)[0];
+        assert!(Arc::ptr_eq(held, &mesh));
+        assert_eq!(world_from_mesh, DAffine3::from_translation(DVec3::new(0.0, 0.0, 5.0)) * sheared);
+    }
+    assets.take_back(&folder.path("memory:1"));
+    assert!(folder.read(body, &mut assets).unwrap_err().to_string().contains("memory:1: is not a model"));
 }

@@ -1,0 +1,285 @@
+//! A scene on a device, which takes samples and makes pictures of them.
+
+use std::ops::ControlFlow;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use raggio_render::{Aov, Denoiser, Observer, Progress, RenderRequest, Rendering, Stop};
+use raggio_scene::{Camera, Scene, Vec3};
+
+use crate::errors::{denoise_error, device_error, guarded, render_error};
+use crate::host::{self, on_threads};
+use crate::picture::Developed;
+use crate::scene::{ReadScene, SceneText};
+use crate::values::chosen;
+
+/// Position, point looked at, direction upwards, field of view, height of parallel views, radius of the lens, distance in
+/// focus.
+type CameraNumbers = ([f32; 3], [f32; 3], [f32; 3], f32, Option<f32>, f32, f32);
+
+/// A scene on a device.
+#[pyclass(frozen, module = "raggio._raggio")]
+pub struct Session {
+    /// Process in which the session was made: devices do not survive a fork.
+    process: u32,
+    device: String,
+    inner: Mutex<Inner>,
+}
+
+struct Inner {
+    rendering: Rendering,
+    scene: Scene,
+    ids: Vec<i32>,
+    revision: u64,
+    denoise: bool,
+    warnings: Vec<String>,
+}
+
+/// View of a scene, and settings in place of the scene's own.
+#[derive(Clone)]
+struct View {
+    camera: Option<CameraNumbers>,
+    size: Option<(u32, u32)>,
+    seed: Option<u32>,
+    max_depth: Option<u32>,
+}
+
+impl View {
+    fn apply(&self, scene: &mut Scene) {
+        if let Some((position, look_at, up, vertical_fov_degrees, orthographic_height, aperture_radius, focus)) =
+            self.camera
+        {
+            scene.camera = Camera {
+                position: Vec3::from(position),
+                look_at: Vec3::from(look_at),
+                up: Vec3::from(up),
+                vertical_fov_degrees,
+                orthographic_height,
+                aperture_radius,
+                focus_distance: focus,
+            };
+        }
+        if let Some(size) = self.size {
+            (scene.render.width, scene.render.height) = size;
+        }
+        scene.render.seed = self.seed.unwrap_or(scene.render.seed);
+        scene.render.max_depth = self.max_depth.unwrap_or(scene.render.max_depth);
+    }
+}
+
+#[pymethods]
+impl Session {
+    /// Brings a scene to a device.
+    #[new]
+    #[pyo3(signature = (
+        scene, *, name, camera, size, samples, seed, max_depth, noise, time_limit, device, threads, aovs, denoise
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "all but one are named")]
+    fn new(
+        py: Python<'_>,
+        scene: &SceneText,
+        name: String,
+        camera: Option<CameraNumbers>,
+        size: Option<(u32, u32)>,
+        samples: Option<u32>,
+        seed: Option<u32>,
+        max_depth: Option<u32>,
+        noise: Option<f32>,
+        time_limit: Option<f32>,
+        device: String,
+        threads: usize,
+        aovs: Vec<String>,
+        denoise: bool,
+    ) -> PyResult<Self> {
+        let layers: Vec<Aov> = aovs.iter().map(|name| chosen(name)).collect::<PyResult<_>>()?;
+        let stop = Stop { samples: samples.map(|samples| 0..samples), noise, time_limit };
+        let request = RenderRequest { name, layers, denoise, stop, ..RenderRequest::default() };
+        let view = View { camera, size, seed, max_depth };
+        guarded(py, || {
+            // What cannot be had is told before any time is spent.
+            if denoise {
+                Denoiser::open().map_err(denoise_error)?;
+            }
+            let warnings = Mutex::new(vec![]);
+            let warn = |warning: &str| warnings.lock().unwrap_or_else(PoisonError::into_inner).push(warning.to_owned());
+            let device = host::device(&device, threads, warn)?;
+            let warnings = warnings.into_inner().unwrap_or_else(PoisonError::into_inner);
+            let device_name = device.name();
+            let inner = on_threads(|| {
+                let ReadScene { scene, ids, revision } = scene.read()?;
+                let mut scene = Scene::clone(&scene);
+                view.apply(&mut scene);
+                let rendering = Rendering::begin(&scene, &*device, request).map_err(render_error)?;
+                Ok(Inner { rendering, scene, ids, revision, denoise, warnings })
+            })?;
+            Ok(Self { process: std::process::id(), device: device_name, inner: Mutex::new(inner) })
+        })
+    }
+
+    /// Name of the device.
+    #[getter]
+    fn device(&self) -> &str {
+        &self.device
+    }
+
+    /// Warnings since the last call.
+    fn take_warnings(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        guarded(py, || Ok(std::mem::take(&mut self.lock()?.warnings)))
+    }
+
+    /// Begins anew with another view of `scene`, and brings what has changed of it to the device.
+    #[pyo3(signature = (scene, *, camera, size, seed, max_depth))]
+    fn look(
+        &self,
+        py: Python<'_>,
+        scene: &SceneText,
+        camera: Option<CameraNumbers>,
+        size: Option<(u32, u32)>,
+        seed: Option<u32>,
+        max_depth: Option<u32>,
+    ) -> PyResult<()> {
+        let view = View { camera, size, seed, max_depth };
+        guarded(py, || {
+            on_threads(|| {
+                let mut inner = self.lock()?;
+                let inner = &mut *inner;
+                let ReadScene { scene, ids, revision } = scene.read()?;
+                let same = revision == inner.revision;
+                if !same {
+                    (inner.scene, inner.ids, inner.revision) = (Scene::clone(&scene), ids, revision);
+                } else {
+                    (inner.scene.camera, inner.scene.render) = (scene.camera.clone(), scene.render.clone());
+                }
+                view.apply(&mut inner.scene);
+                let Inner { rendering, scene, .. } = inner;
+                let done = if same { rendering.look(scene) } else { rendering.change(scene) };
+                done.map_err(render_error)
+            })
+        })
+    }
+
+    /// Changes how many samples each pixel is to have.
+    fn set_target(&self, py: Python<'_>, samples: u32) -> PyResult<()> {
+        guarded(py, || {
+            self.lock()?.rendering.set_target(samples);
+            Ok(())
+        })
+    }
+
+    /// Takes samples until there are enough, or something ends it early: then that is returned.
+    #[pyo3(signature = (report=None))]
+    fn sample(&self, py: Python<'_>, report: Option<Py<PyAny>>) -> PyResult<Option<Py<PyAny>>> {
+        let ended = guarded(py, || {
+            let mut inner = self.lock()?;
+            let mut listener = Listener::new(report);
+            let done = inner.rendering.sample(&mut listener);
+            inner.warnings.append(&mut listener.warnings);
+            Ok(listener.stopped.or(done.map_err(device_error).err()))
+        })?;
+        Ok(ended.map(|error| error.into_value(py).into_any()))
+    }
+
+    /// The picture of the samples that there are, as a dictionary, and what has ended its making early.
+    #[pyo3(signature = (report=None))]
+    fn develop<'py>(
+        &self,
+        py: Python<'py>,
+        report: Option<Py<PyAny>>,
+    ) -> PyResult<(Bound<'py, PyDict>, Option<Py<PyAny>>)> {
+        let (developed, seconds, finished, ended) = guarded(py, || {
+            let mut inner = self.lock()?;
+            let mut listener = Listener::new(report);
+            let rendered = inner.rendering.develop(&mut listener, None).map_err(device_error)?;
+            inner.warnings.append(&mut listener.warnings);
+            let shown = match (inner.denoise, &rendered.failure) {
+                (true, None) => {
+                    let denoiser = Denoiser::open().map_err(denoise_error)?;
+                    Some(rendered.picture.denoised(&denoiser).map_err(denoise_error)?)
+                }
+                _ => None,
+            };
+            let ended = listener.stopped.or(rendered.failure.map(device_error));
+            let developed = Developed::new(rendered.picture, shown, &inner.ids);
+            Ok((developed, rendered.progress.seconds, rendered.finished, ended))
+        })?;
+        let found = developed.into_dict(py)?;
+        found.set_item("seconds", seconds)?;
+        found.set_item("finished", finished)?;
+        Ok((found, ended.map(|error| error.into_value(py).into_any())))
+    }
+}
+
+impl Session {
+    fn lock(&self) -> PyResult<MutexGuard<'_, Inner>> {
+        if self.process != std::process::id() {
+            return Err(PyRuntimeError::new_err(
+                "this renderer was made before the process was forked, and its device is the parent's: make a new one here",
+            ));
+        }
+        Ok(self.inner.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// Reports progress to Python, and breaks off where Python has an exception.
+struct Listener {
+    report: Option<Py<PyAny>>,
+    warnings: Vec<String>,
+    stopped: Option<PyErr>,
+}
+
+impl Listener {
+    fn new(report: Option<Py<PyAny>>) -> Self {
+        Self { report, warnings: vec![], stopped: None }
+    }
+}
+
+impl Observer for Listener {
+    fn warn(&mut self, warning: &str) {
+        self.warnings.push(warning.to_owned());
+    }
+
+    fn progress(&mut self, progress: &Progress) -> ControlFlow<()> {
+        if self.stopped.is_some() {
+            return ControlFlow::Break(());
+        }
+        let told = Python::attach(|py| {
+            // Signals are for the main thread; others find none here.
+            py.check_signals()?;
+            match &self.report {
+                Some(report) => report.call1(py, (progress.fraction, progress.samples, progress.seconds)).map(drop),
+                None => Ok(()),
+            }
+        });
+        match told {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                self.stopped = Some(error);
+                ControlFlow::Break(())
+            }
+        }
+    }
+}
+
+/// Lines of the devices of this machine: word, name, kind, driver, memory in bytes, what is missing; and why there is no
+/// Vulkan, if there is none.
+#[pyfunction]
+#[allow(clippy::type_complexity, reason = "a row of a table")]
+pub fn devices(
+    py: Python<'_>,
+) -> PyResult<(Vec<(String, String, &'static str, String, Option<u64>, Vec<String>)>, Option<String>)> {
+    guarded(py, || {
+        let (found, error) = raggio_render::devices();
+        let line = |info: raggio_render::DeviceInfo| {
+            (info.id, info.name, info.kind, info.driver, info.memory_bytes, info.missing)
+        };
+        Ok((found.into_iter().map(line).collect(), error.map(|error| error.to_string())))
+    })
+}
+
+/// Leaves to the parent what a forked child cannot use; called in the child.
+#[pyfunction]
+pub fn forget_after_fork() {
+    host::forget();
+}

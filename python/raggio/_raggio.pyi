@@ -1,0 +1,124 @@
+"""Rust's part of the module."""
+
+from typing import Any, final
+
+import numpy as np
+import numpy.typing as npt
+
+from ._progress import Report
+from ._types import CameraNumbers, Developed
+
+__all__ = [
+    "AOVS",
+    "Metadata",
+    "SceneText",
+    "Session",
+    "TONE_MAPPERS",
+    "__version__",
+    "check_camera",
+    "devices",
+    "encode_png",
+    "forget_after_fork",
+    "main",
+    "panic_for_tests",
+    "tonemap",
+    "write_image",
+]
+
+__version__: str
+AOVS: list[str]
+TONE_MAPPERS: list[str]
+
+@final
+class Metadata: ...
+
+@final
+class SceneText:
+    @staticmethod
+    def load(
+        path: str, *, allow_outside: bool, time_seconds: float | None, camera: str | None
+    ) -> tuple[SceneText, list[str]]: ...
+    @staticmethod
+    def empty() -> SceneText: ...
+    def copy(self) -> SceneText: ...
+    @property
+    def revision(self) -> int: ...
+    @property
+    def shapes(self) -> int: ...
+    def text(self) -> str: ...
+    def check(self) -> list[str]: ...
+    def equals(self, other: SceneText) -> bool: ...
+    def get(self, path: list[str]) -> Any: ...
+    def set(self, path: list[str], text: str | None, *, checked: bool = False) -> None: ...
+    @staticmethod
+    def check_shape(shape: str, material: str | None) -> None: ...
+    def add_shape(self, text: str, id: int | None = None, *, checked: bool = False) -> int: ...
+    @property
+    def added(self) -> int: ...
+    def take_last(self) -> None: ...
+    def give_mesh(
+        self,
+        label: str,
+        positions: npt.NDArray[np.float32],
+        triangles: npt.NDArray[np.uint32],
+        normals: npt.NDArray[np.float32] | None,
+        uvs: npt.NDArray[np.float32] | None,
+        colors: npt.NDArray[np.float32] | None,
+    ) -> tuple[str, str | None]: ...
+    def place_mesh(self, name: str, rows: list[float]) -> str: ...
+    def give_radiance(self, image: npt.NDArray[np.float32]) -> str: ...
+    def give_bytes(self, image: npt.NDArray[np.uint8]) -> str: ...
+
+@final
+class Session:
+    def __new__(
+        cls,
+        scene: SceneText,
+        *,
+        name: str,
+        camera: CameraNumbers | None,
+        size: tuple[int, int] | None,
+        samples: int | None,
+        seed: int | None,
+        max_depth: int | None,
+        noise: float | None,
+        time_limit: float | None,
+        device: str,
+        threads: int,
+        aovs: list[str],
+        denoise: bool,
+    ) -> Session: ...
+    @property
+    def device(self) -> str: ...
+    def take_warnings(self) -> list[str]: ...
+    def look(
+        self,
+        scene: SceneText,
+        *,
+        camera: CameraNumbers | None,
+        size: tuple[int, int] | None,
+        seed: int | None,
+        max_depth: int | None,
+    ) -> None: ...
+    def set_target(self, samples: int) -> None: ...
+    def sample(self, report: Report | None = None) -> BaseException | None: ...
+    def develop(self, report: Report | None = None) -> tuple[Developed, BaseException | None]: ...
+
+def check_camera(text: str) -> None: ...
+def devices() -> tuple[list[tuple[str, str, str, str, int | None, list[str]]], str | None]: ...
+def encode_png(array: npt.NDArray[np.float32], *, exposure: float, tone_mapper: str) -> bytes: ...
+def forget_after_fork() -> None: ...
+def main(arguments: list[str]) -> int: ...
+def panic_for_tests() -> None: ...
+def tonemap(array: npt.NDArray[np.float32], *, exposure: float, tone_mapper: str) -> npt.NDArray[np.uint8]: ...
+def write_image(
+    path: str,
+    array: npt.NDArray[np.float32],
+    *,
+    floats: list[tuple[str, npt.NDArray[np.float32]]],
+    numbers: list[tuple[str, npt.NDArray[np.int32]]],
+    metadata: Metadata | None,
+    png_bits: str,
+    exposure: float,
+    tone_mapper: str,
+) -> None: ...
