@@ -8,9 +8,11 @@ use std::path::{Component, Path, PathBuf};
 /// Reason why a file that a model names is not opened; its display goes on after the name of the file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Refusal {
-    #[error("is outside the folder of the model, where files are not read")]
+    #[error("is outside the folder of the model, where files are not read unless `--allow-outside` is given")]
     Outside,
-    #[error("is a link that leads out of the folder of the model, where files are not read")]
+    #[error(
+        "is a link that leads out of the folder of the model, where files are not read unless `--allow-outside` is given"
+    )]
     LeadsOut,
     #[error("does not exist")]
     Missing,

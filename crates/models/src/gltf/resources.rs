@@ -9,7 +9,7 @@ use percent_encoding::{percent_decode, percent_decode_str};
 
 use super::fault::Warnings;
 use crate::file::read;
-use crate::inside::{Named, Refusal};
+use crate::inside::Named;
 use crate::text::quoted;
 
 /// Gives the bytes of the files beside a document.
@@ -43,11 +43,7 @@ impl Resources for Folder<'_> {
         let relative = self.relative(name);
         let name = relative.as_deref().unwrap_or(name);
         let path = self.named.borrow_mut().locate(self.path, name, self.allow_outside);
-        let path = path.map_err(|refusal| match refusal {
-            Refusal::Outside | Refusal::LeadsOut => format!("{refusal} unless `--allow-outside` is given"),
-            _ => refusal.to_string(),
-        })?;
-        read(&path, most_bytes)
+        read(&path.map_err(|refusal| refusal.to_string())?, most_bytes)
     }
 }
 
