@@ -107,7 +107,7 @@ fn sheets_send_light_back_to_the_floor() {
     ]));
     let light = json!({ "type": "directional", "intensity": 3 });
     asset.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [light] } });
-    let found = Shot { samples: 16384, depth: 12, ..Shot::default() }.take(&asset).middle().x;
+    let found = Shot { samples: 4096, depth: 12, ..Shot::default() }.take(&asset).middle().x;
 
     let reflectance = |cosine: f64| {
         let across = (1.0 - (1.0 - cosine * cosine) / 2.25).sqrt();
