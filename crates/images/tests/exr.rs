@@ -1,5 +1,7 @@
 //! OpenEXR images with channels in any order, any compression, blocks and layers.
 
+use std::f64::consts::PI;
+
 use crate::common::decoded;
 use exr::prelude::*;
 use raggio_images::{Bitmap, Limits, Problem, Texels, decode};
@@ -289,14 +291,73 @@ fn parts_have_names_too() {
 }
 
 #[test]
-fn cube_maps_are_refused() {
+fn environments_are_images_of_latitude_and_longitude() {
     let mut image = Image::from_layer(layer("a", Encoding::SMALL_LOSSLESS, rgb([SampleType::F32; 3])));
     image.layer_data.attributes.environment_map = Some(attribute::EnvironmentMap::LatitudeLongitude);
     assert_same(&written!(image), &expected([0, 1, 2]), "latitude and longitude");
     image.layer_data.attributes.environment_map = Some(attribute::EnvironmentMap::Cube);
     let problem = decode(&written!(image), &Limits::default()).unwrap_err().problem;
-    assert!(
-        matches!(&problem, Problem::Unsupported { reason, .. } if reason.contains("it is a cube map")),
-        "{problem}"
-    );
+    let reason = "37 x 21 pixels are not six square faces of a cube";
+    assert!(matches!(&problem, Problem::Malformed { reason: found, .. } if found.contains(reason)), "{problem}");
+}
+
+/// Cube map of faces with `side` pixels along each edge whose colours are `color` of their directions.
+fn cube(side: usize, color: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<u8> {
+    let size = Vec2(side, 6 * side);
+    let pixels: Vec<_> = (0..size.area())
+        .map(|i| {
+            let along = |pixel: usize| 2.0 * pixel as f64 / (side - 1) as f64 - 1.0;
+            // Rightward and upward, looking at the face from the middle, with -Y below, and with +Z below for +Y.
+            let (right, up) = (along(i % side), -along(i / side % side));
+            let direction = [
+                [1.0, up, right],
+                [-1.0, up, -right],
+                [right, 1.0, up],
+                [right, -1.0, -up],
+                [-right, up, 1.0],
+                [right, up, -1.0],
+            ];
+            color(direction[i / size.0 / side])
+        })
+        .collect();
+    let channels = ["R", "G", "B"].iter().enumerate().map(|(c, name)| {
+        let values = pixels.iter().map(|pixel| pixel[c] as f32).collect();
+        AnyChannel::new(*name, FlatSamples::F32(values))
+    });
+    let channels: Vec<_> = channels.collect();
+    let channels = AnyChannels::sort(channels.into());
+    let mut image = Image::from_layer(Layer::new(size, LayerAttributes::named("a"), Encoding::UNCOMPRESSED, channels));
+    image.layer_data.attributes.environment_map = Some(attribute::EnvironmentMap::Cube);
+    written!(image)
+}
+
+#[test]
+fn cube_maps_are_unfolded() {
+    let unit = |[x, y, z]: [f64; 3]| {
+        let length = (x * x + y * y + z * z).sqrt();
+        [x, y, z].map(|component| component / length)
+    };
+    // Colours are directions, so that each texel says where it was in the cube.
+    let side = 64;
+    let bitmap = decoded(&cube(side, |direction| unit(direction).map(|component| 0.5 + 0.5 * component)));
+    assert_eq!((bitmap.width as usize, bitmap.height as usize), (4 * side, 2 * side));
+    let Texels::Rgb32F(texels) = &bitmap.texels else { panic!("floats") };
+    for (i, texel) in texels.iter().enumerate() {
+        let [column, row] = [i % (4 * side), i / (4 * side)].map(|pixel| pixel as f64 + 0.5);
+        let (east, up) = ((column / (2 * side) as f64 - 1.0) * PI, (0.5 - row / (2 * side) as f64) * PI);
+        let expected = [up.cos() * east.sin(), up.sin(), -up.cos() * east.cos()].map(|component| 0.5 + 0.5 * component);
+        let error = (0..3).map(|c| (f64::from(texel[c]) - expected[c]).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-3, "texel {i}: {texel:?}, not {expected:?}");
+    }
+    // A sun keeps its light: the sum over solid angles is that over the cube's.
+    let toward = unit([1.0, 0.9, -0.8]);
+    let cosine = |direction| (0..3).map(|c| unit(direction)[c] * toward[c]).sum::<f64>();
+    let bitmap = decoded(&cube(side, |direction| [(400.0 * (cosine(direction) - 1.0)).exp(); 3]));
+    let Texels::Rgb32F(texels) = &bitmap.texels else { panic!("floats") };
+    let step = PI / (2 * side) as f64;
+    let weight = |i: usize| ((i / (4 * side)) as f64 + 0.5) * step;
+    let sum: f64 =
+        texels.iter().enumerate().map(|(i, texel)| f64::from(texel[0]) * weight(i).sin() * step * step).sum();
+    let expected = 2.0 * PI / 400.0;
+    assert!((sum / expected - 1.0).abs() < 0.01, "{sum}, not {expected}");
 }

@@ -86,7 +86,9 @@ impl Lanes {
         let calls = |name: &str| translated.iter().any(|lanes| lanes.text.contains(&format!(" void {name}_")));
         match CALLED.iter().chain(&CALLED_BUT_BY_PATHS).find(|name| !calls(name)) {
             None => Ok(translated),
-            Some(name) => Err(format!("the kernels call no function {name}: correct CALLED in crates/kernels/build/lanes.rs")),
+            Some(name) => {
+                Err(format!("the kernels call no function {name}: correct CALLED in crates/kernels/build/lanes.rs"))
+            }
         }
     }
 
@@ -99,8 +101,12 @@ impl Lanes {
     ) -> Result<Self, String> {
         let bytes = std::fs::read(code).map_err(|e| format!("cannot read {}: {e}", code.display()))?;
         let words: Vec<u32> = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-        let options =
-            Options { hooks: HOOKS.map(String::from).into(), calls: called(name).map(String::from).collect(), columns: vec![PATHS.into()], ..Options::default() };
+        let options = Options {
+            hooks: HOOKS.map(String::from).into(),
+            calls: called(name).map(String::from).collect(),
+            columns: vec![PATHS.into()],
+            ..Options::default()
+        };
         let translation =
             translate(&words, entry_points, &options).map_err(|e| format!("cannot translate the kernels: {e}"))?;
         let reflection = Places::read(&code.with_extension("json"))?;

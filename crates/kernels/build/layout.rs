@@ -18,16 +18,14 @@ pub fn generate(
     out: &Path,
 ) -> Result<(), String> {
     let declarations = Declarations::read(kernels)?;
-    let cpp = parameters(cpp_reflection)?;
-    let spirv = parameters(spirv_reflection)?;
+    let (cpp, spirv) = (Places::read(cpp_reflection)?, Places::read(spirv_reflection)?);
 
     let mut types = Types::default();
     let mut text = String::new();
     for name in ["work", "film", "output", "input", "resting"] {
-        types.collect(element(find(&cpp, name)?))?;
+        types.collect(element(cpp.parameter(name)?))?;
     }
-    let scene_cpp = buffers(find(&cpp, "scene")?, "offset")?;
-    let scene_spirv = buffers(find(&spirv, "scene")?, "index")?;
+    let (scene_cpp, scene_spirv) = (cpp.scene("offset")?, spirv.scene("index")?);
     for (cpp, spirv) in scene_cpp.iter().zip(&scene_spirv) {
         if cpp.element != spirv.element {
             return Err(format!("`{}` is laid out differently in C++ and in SPIR-V", cpp.name));
@@ -37,23 +35,13 @@ pub fn generate(
     text += &types.text;
     text += &scene_buffers(&scene_cpp)?;
     text += &index_checks(&scene_cpp, &declarations)?;
-    text += &places(&cpp, &spirv, &scene_cpp, &scene_spirv)?;
+    text += &constants_of_places(&cpp, &spirv, &scene_cpp, &scene_spirv)?;
     text += &enumerations_and_constants(&declarations);
     text += &entry_point_names(entry_points);
     // Kernels that are compiled later are compared with these: `raggio_kernels::compile`.
     std::fs::write(out.join("declarations.txt"), declarations.text())
         .and_then(|()| std::fs::write(out.join("layout.rs"), text))
         .map_err(|e| format!("cannot write the layouts: {e}"))
-}
-
-fn parameters(path: &Path) -> Result<Vec<Value>, String> {
-    let text = std::fs::read_to_string(path).map_err(|e| format!("cannot read slangc's reflection: {e}"))?;
-    let json: Value = serde_json::from_str(&text).map_err(|e| format!("slangc's reflection is not JSON: {e}"))?;
-    json["parameters"].as_array().cloned().ok_or("slangc's reflection has no parameters".into())
-}
-
-fn find<'a>(parameters: &'a [Value], name: &str) -> Result<&'a Value, String> {
-    parameters.iter().find(|p| p["name"] == name).ok_or(format!("the kernels have no parameter `{name}`"))
 }
 
 /// Places of the kernels' parameters, as a target's reflection gives them.
@@ -64,32 +52,48 @@ pub struct Places {
 impl Places {
     /// Reads the reflection in the file `path`.
     pub fn read(path: &Path) -> Result<Self, String> {
-        Ok(Self { parameters: parameters(path)? })
+        let text = std::fs::read_to_string(path).map_err(|e| format!("cannot read slangc's reflection: {e}"))?;
+        let json: Value = serde_json::from_str(&text).map_err(|e| format!("slangc's reflection is not JSON: {e}"))?;
+        let parameters = json["parameters"].as_array().cloned().ok_or("slangc's reflection has no parameters")?;
+        Ok(Self { parameters })
+    }
+
+    fn parameter(&self, name: &str) -> Result<&Value, String> {
+        self.parameters.iter().find(|p| p["name"] == name).ok_or(format!("the kernels have no parameter `{name}`"))
+    }
+
+    /// The scene's lists, with their `offset` in C++ or their `index` among the bindings of SPIR-V.
+    fn scene(&self, place: &str) -> Result<Vec<Buffer>, String> {
+        buffers(self.parameter("scene")?, place)
+    }
+
+    /// Binding of the parameter `name` in SPIR-V, or the descriptor set of one that is a block.
+    fn index(&self, name: &str) -> Result<u64, String> {
+        self.parameter(name)?["binding"]["index"].as_u64().ok_or(format!("`{name}` has no index"))
     }
 
     /// Word of the C++ parameters at which the parameter `name` stands.
     pub fn word(&self, name: &str) -> Result<u64, String> {
-        let offset = find(&self.parameters, name)?["binding"]["offset"].as_u64();
+        let offset = self.parameter(name)?["binding"]["offset"].as_u64();
         offset.map(|offset| offset / 8).ok_or(format!("`{name}` has no offset"))
     }
 
     /// Word of the C++ scene block at which the scene's list of this number stands.
     pub fn scene_word(&self, list: usize) -> Result<u64, String> {
-        let lists = buffers(find(&self.parameters, "scene")?, "offset")?;
+        let lists = self.scene("offset")?;
         lists.get(list).map(|list| list.place / 8).ok_or("the scene has fewer lists in C++ than in SPIR-V".into())
     }
 
     /// Number of the scene's list at a place of SPIR-V, if it is one.
     pub fn scene_list(&self, set: u32, binding: u32) -> Option<usize> {
-        let scene = find(&self.parameters, "scene").ok()?;
-        let own = scene["binding"]["index"].as_u64()? == u64::from(set);
-        let lists = buffers(scene, "index").ok()?;
+        let own = self.index("scene").ok()? == u64::from(set);
+        let lists = self.scene("index").ok()?;
         lists.iter().position(|list| own && list.place == u64::from(binding))
     }
 
     /// Members of the elements of parameter `name` with the word at which each begins, and `size`, the number of words.
     pub fn words_of(&self, name: &str) -> Result<Vec<(String, u64)>, String> {
-        let element = element(find(&self.parameters, name)?);
+        let element = element(self.parameter(name)?);
         let fields = element["fields"].as_array().ok_or(format!("`{name}` has no members"))?;
         let (mut words, mut end) = (vec![], 0);
         for field in fields {
@@ -243,7 +247,12 @@ fn index_checks(buffers: &[Buffer], declarations: &Declarations) -> Result<Strin
 }
 
 /// Writes the place of each parameter: descriptor bindings for SPIR-V, offsets of 8 bytes for C++.
-fn places(cpp: &[Value], spirv: &[Value], scene_cpp: &[Buffer], scene_spirv: &[Buffer]) -> Result<String, String> {
+fn constants_of_places(
+    cpp: &Places,
+    spirv: &Places,
+    scene_cpp: &[Buffer],
+    scene_spirv: &[Buffer],
+) -> Result<String, String> {
     let mut text = String::new();
     let mut constant = |doc: &str, name: &str, kind: &str, value: String| {
         let _ = writeln!(text, "/// {doc}\npub const {name}: {kind} = {value};");
@@ -252,7 +261,7 @@ fn places(cpp: &[Value], spirv: &[Value], scene_cpp: &[Buffer], scene_spirv: &[B
         format!("[{}]", buffers.iter().map(|b| (b.place / unit).to_string()).collect::<Vec<_>>().join(", "))
     };
     let count = scene_cpp.len();
-    constant("Descriptor set of the scene.", "SCENE_SET", "u32", find(spirv, "scene")?["binding"]["index"].to_string());
+    constant("Descriptor set of the scene.", "SCENE_SET", "u32", spirv.index("scene")?.to_string());
     constant(
         "Bindings of the scene's buffers in that set.",
         "SCENE_BINDINGS",
@@ -264,7 +273,7 @@ fn places(cpp: &[Value], spirv: &[Value], scene_cpp: &[Buffer], scene_spirv: &[B
             "Binding in descriptor set 0.",
             &format!("{}_BINDING", name.to_uppercase()),
             "u32",
-            find(spirv, name)?["binding"]["index"].to_string(),
+            spirv.index(name)?.to_string(),
         );
     }
     constant(
@@ -274,12 +283,11 @@ fn places(cpp: &[Value], spirv: &[Value], scene_cpp: &[Buffer], scene_spirv: &[B
         list(scene_cpp, 8),
     );
     for name in ["scene", "work", "film", "output", "input", "resting"] {
-        let offset = find(cpp, name)?["binding"]["offset"].as_u64().ok_or(format!("`{name}` has no offset"))?;
         constant(
             "Word of the C++ parameters at which it stands.",
             &format!("{}_WORD", name.to_uppercase()),
             "usize",
-            (offset / 8).to_string(),
+            cpp.word(name)?.to_string(),
         );
     }
     Ok(text)

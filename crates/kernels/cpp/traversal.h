@@ -161,7 +161,6 @@ RAGGIO_INLINE Rows transposed(__m256 a, __m256 b, __m256 c, __m256 d) {
     return {_mm256_shuffle_ps(low, lowToo, 0x44), _mm256_shuffle_ps(low, lowToo, 0xee), _mm256_shuffle_ps(high, highToo, 0x44)};
 }
 
-RAGGIO_INLINE __m256 twice(__m128 v) { return _mm256_insertf128_ps(_mm256_castps128_ps256(v), v, 1); }
 RAGGIO_INLINE __m128 lowHalf(__m256 v) { return _mm256_castps256_ps128(v); }
 RAGGIO_INLINE __m128 highHalf(__m256 v) { return _mm256_extractf128_ps(v, 1); }
 RAGGIO_INLINE __m256 magnitudes(__m256 v) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), v); }
@@ -182,7 +181,7 @@ RAGGIO_INLINE void intersectTriangles(
     __m128i axes = ray.axes;
     __m256i axesTwice = _mm256_broadcastsi128_si256(axes);
     auto two = [&](const float* t) { return _mm256_permutevar_ps(_mm256_loadu_ps(t), axesTwice); };
-    // The third corners of two triangles: both halves of the result are used, so they stand there twice over.
+    // The third corner of a triangle stands in both halves: beside the first and the second.
     auto third = [&](const float* t) { return _mm256_permutevar_ps(_mm256_broadcast_ps((const __m128*)(t + 8)), axesTwice); };
     Rows ab = transposed(two(t0), two(t1), two(t2), two(t3));
     Rows cc = transposed(third(t0), third(t1), third(t2), third(t3));

@@ -10,7 +10,8 @@ use std::fmt::Write as _;
 use crate::analysis::Analysis;
 use crate::cpp::{Block, Line, Text};
 use crate::program::{
-    Buffer, Callee, Index, Instruction, Kept, Kind, Label, Memory, Node, Operation, Place, Program, Register, Target, Value,
+    Buffer, Callee, Index, Instruction, Kept, Kind, Label, Memory, Node, Operation, Place, Program, Register, Target,
+    Value,
 };
 
 /// Operations that are quicker done than asked whether any lane needs them.
@@ -40,7 +41,9 @@ pub fn function(name: &str, program: &Program, analysis: &Analysis, buffers: &[B
     let way = (String::new(), false);
     let mut emitter = Emitter { program, analysis, buffers, text, ends, names: 0, way };
     emitter.list(&program.body, Text::BODY, "mask".into());
-    emitter.text.declare(&program.registers, program.parameters as usize, |register| analysis.varies(Value::Register(register)));
+    emitter.text.declare(&program.registers, program.parameters as usize, |register| {
+        analysis.varies(Value::Register(register))
+    });
     let mut body = String::new();
     emitter.text.write(&mut body);
     // Nothing that the function stores changes the context: pointers in it need not be read again.

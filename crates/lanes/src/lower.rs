@@ -15,7 +15,9 @@ use crate::error::{Error, Result};
 use crate::memory::Pointer;
 use crate::module;
 use crate::module::{Block, Constant, Function, Id, Module, Type};
-use crate::program::{Buffer, Callee, Instruction, Kind, Label, Memory, Node, Operation, Program, Register, Target, Value};
+use crate::program::{
+    Buffer, Callee, Instruction, Kind, Label, Memory, Node, Operation, Program, Register, Target, Value,
+};
 
 /// What a name of the module stands for.
 #[derive(Clone, Debug)]

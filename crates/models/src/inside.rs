@@ -1,5 +1,6 @@
 //! Files that a model names: regular ones, inside the model's folder.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::{Error, ErrorKind};
 use std::path::{Component, Path, PathBuf};
@@ -7,9 +8,11 @@ use std::path::{Component, Path, PathBuf};
 /// Reason why a file that a model names is not opened; its display goes on after the name of the file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Refusal {
-    #[error("is outside the folder of the model, where files are not read")]
+    #[error("is outside the folder of the model, where files are not read unless `--allow-outside` is given")]
     Outside,
-    #[error("is a link that leads out of the folder of the model, where files are not read")]
+    #[error(
+        "is a link that leads out of the folder of the model, where files are not read unless `--allow-outside` is given"
+    )]
     LeadsOut,
     #[error("does not exist")]
     Missing,
@@ -19,6 +22,42 @@ pub(crate) enum Refusal {
     NotRegular,
     #[error("cannot be read: {0}")]
     Unreadable(String),
+}
+
+/// Files that a model has named.
+#[derive(Debug, Default)]
+pub(crate) struct Named {
+    /// Paths, without links, of those that were found.
+    pub found: BTreeSet<PathBuf>,
+    /// Paths at which there was none, in folders that exist.
+    pub missing: BTreeSet<PathBuf>,
+}
+
+impl Named {
+    /// Does what [`locate`] does, and keeps what it found, or did not.
+    pub(crate) fn locate(&mut self, folder: &Path, name: &str, allow_outside: bool) -> Result<PathBuf, Refusal> {
+        let located = locate(folder, name, allow_outside);
+        match &located {
+            Ok(path) => drop(self.found.insert(path.clone())),
+            Err(Refusal::Missing) => self.missing.extend(would_be(folder, name, allow_outside)),
+            Err(_) => {}
+        }
+        located
+    }
+
+    pub(crate) fn extend(&mut self, other: Self) {
+        self.found.extend(other.found);
+        self.missing.extend(other.missing);
+    }
+}
+
+/// Path of a file that does not exist, in a folder that does.
+fn would_be(folder: &Path, name: &str, allow_outside: bool) -> Option<PathBuf> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let path = folder.join(name.replace('\\', "/"));
+    let parent = path.parent()?.canonicalize().ok()?;
+    let inside = allow_outside || parent.starts_with(folder.canonicalize().ok()?);
+    inside.then(|| Some(parent.join(path.file_name()?))).flatten()
 }
 
 /// The real path, without links, of the regular file that a model in `folder` calls `name`. Backslashes count as slashes.

@@ -1,20 +1,20 @@
 //! Models from paths: the format is told by the extension, bytes are under a limit, libraries lie next to an OBJ.
 
-use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use raggio_choice::{choice, endings, format_of};
 
 use crate::error::{Fault, ModelError};
 use crate::file::{LoadOptions, read};
 use crate::gltf::{GltfOptions, load_gltf};
+use crate::inside::Named;
 use crate::mesh::MeshFile;
 use crate::model::Model;
 use crate::obj::lookup::{Found, Lookup};
 use crate::obj::materials::translate;
 use crate::obj::mtl::MtlMaterial;
 use crate::obj::textures::Textures;
-use crate::text::{escaped, quoted};
+use crate::text::{counted, escaped, quoted};
 use crate::warnings::Warnings;
 use crate::{parse_mtl, parse_obj, parse_ply, parse_stl};
 
@@ -79,21 +79,21 @@ fn load_whole(path: &Path, options: &LoadOptions) -> Result<Model, ModelError> {
     let mut file = parse(&bytes, &name)?;
     drop(bytes);
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut files = BTreeSet::new();
+    let mut named = Named::default();
     if format == Some(Format::Obj) {
-        files = load_libraries(&mut file, folder, options);
+        named = load_libraries(&mut file, folder, options);
     }
     let mut textures = Textures::new(folder, options);
     let materials = translate(&file.materials, &mut textures);
     let (warnings, images) = textures.finish();
     file.warnings.extend(warnings);
-    files.extend(images);
+    named.extend(images);
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    Ok(Model { files: files.into_iter().collect(), ..file.into_model(&stem, materials) })
+    Ok(file.into_model(&stem, materials).naming(named))
 }
 
-/// Fills in the materials of the libraries that the model names. Returns the paths of those that were found.
-fn load_libraries(model: &mut MeshFile, folder: &Path, options: &LoadOptions) -> BTreeSet<PathBuf> {
+/// Fills in the materials of the libraries that the model names. Returns which were looked for.
+fn load_libraries(model: &mut MeshFile, folder: &Path, options: &LoadOptions) -> Named {
     let mut lookup = Lookup::new(folder, options.allow_outside);
     let (mut library, mut warnings) = (Vec::new(), Vec::new());
     for name in model.libraries.iter().take(MOST_LIBRARIES) {
@@ -104,10 +104,12 @@ fn load_libraries(model: &mut MeshFile, folder: &Path, options: &LoadOptions) ->
     }
     let missing = model.materials.len() - model.apply_library(&library);
     if missing > 0 {
-        warnings.push(format!("{missing} materials are named but in no material library"));
+        let are = if missing == 1 { "is" } else { "are" };
+        let materials = counted(missing, "material");
+        warnings.push(format!("{materials} {are} named but in no material library"));
     }
     model.warnings.extend(warnings);
-    lookup.into_found()
+    lookup.into_named()
 }
 
 fn load_library(name: &str, lookup: &mut Lookup<'_>, warnings: &mut Vec<String>) -> Result<Vec<MtlMaterial>, String> {

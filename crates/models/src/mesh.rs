@@ -73,15 +73,27 @@ impl Dropped {
     /// One sentence for the user, if there is something to tell.
     pub fn warning(&self) -> Option<String> {
         let mut what = Vec::new();
-        let mut tell = |count: usize, rest: &str| {
+        let mut tell = |count: usize, one: &str, several: &str| {
             if count > 0 {
-                what.push(format!("{count} {rest}"));
+                what.push(format!("{count} {}", if count == 1 { one } else { several }));
             }
         };
-        tell(self.degenerate, "faces without area were left out");
-        tell(self.not_finite, "triangles with a vertex that is not finite were left out");
-        tell(self.repeated, "triangles that coincide with others were left out");
-        tell(self.attributes, "normals, texture coordinates or colours that were not finite were replaced");
+        tell(self.degenerate, "face without area was left out", "faces without area were left out");
+        tell(
+            self.not_finite,
+            "triangle with a vertex that is not finite was left out",
+            "triangles with a vertex that is not finite were left out",
+        );
+        tell(
+            self.repeated,
+            "triangle that coincides with others was left out",
+            "triangles that coincide with others were left out",
+        );
+        tell(
+            self.attributes,
+            "normal, texture coordinate or colour that was not finite was replaced",
+            "normals, texture coordinates or colours that were not finite were replaced",
+        );
         (!what.is_empty()).then(|| what.join("; "))
     }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
+use crate::inside::Named;
 use crate::material::Principled;
 use crate::mesh::Mesh;
 
@@ -26,8 +27,18 @@ pub struct Model {
     /// Paths, without links, of the files that the model's own names and that were opened: buffers, images, material
     /// libraries. Each is there once.
     pub files: Vec<PathBuf>,
+    /// Paths at which files that the model's own names were looked for in vain: it may be another once they are there.
+    pub missing: Vec<PathBuf>,
     /// Warnings for the user, one sentence each, without the file's name.
     pub warnings: Vec<String>,
+}
+
+impl Model {
+    /// The model, with the files that were asked for while it was read.
+    pub(crate) fn naming(self, named: Named) -> Self {
+        let [files, missing] = [named.found, named.missing].map(|paths| paths.into_iter().collect());
+        Self { files, missing, ..self }
+    }
 }
 
 /// A placed mesh.

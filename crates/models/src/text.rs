@@ -98,6 +98,11 @@ pub(crate) fn number(word: &[u8]) -> Option<f64> {
     })
 }
 
+/// Number and noun, in the plural where there is not just one: `1 face`, `2 faces`.
+pub(crate) fn counted(number: usize, noun: &str) -> String {
+    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
+}
+
 /// A word of a file as messages repeat it: short, and without control characters, because messages go to terminals.
 pub(crate) fn quoted(word: &[u8]) -> String {
     let text = String::from_utf8_lossy(&word[..word.len().min(4 * MOST_QUOTED_CHARS)]);

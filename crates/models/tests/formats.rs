@@ -253,7 +253,7 @@ fn what_was_dropped_is_a_warning() {
     let path = folder.path().join("a.obj");
     std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 3\nusemtl m\nf 1 2 3").unwrap();
     let model = load(&path, &LoadOptions::default()).unwrap();
-    let expected = ["1 materials are named but in no material library", "1 faces without area were left out"];
+    let expected = ["1 material is named but in no material library", "1 face without area was left out"];
     assert_eq!(model.warnings, expected);
 }
 

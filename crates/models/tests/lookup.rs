@@ -126,7 +126,8 @@ fn links_that_lead_out_and_pipes_are_not_read() {
     let made = std::process::Command::new("mkfifo").arg(folder.join("pipe.png")).arg(folder.join("pipe.mtl")).status();
     assert!(made.unwrap().success());
 
-    let out = "is a link that leads out of the folder of the model, where files are not read";
+    let out = "is a link that leads out of the folder of the model, where files are not read unless \
+               `--allow-outside` is given";
     for (name, why) in [
         ("link.png", out),
         ("up/secret.png", out),

@@ -156,7 +156,8 @@ fn what_is_not_used_is_a_warning() {
     let starts = [
         "the texture `none.png` is not used: it does not exist",
         "the texture `b.png` is not used: it does not exist",
-        "the texture `../out.png` is not used: it is outside the folder of the model, where files are not read",
+        "the texture `../out.png` is not used: it is outside the folder of the model, where files are not read unless \
+         `--allow-outside` is given",
         "the lines `disp` of materials are not used",
     ];
     assert!(warnings.iter().zip(starts).all(|(warning, start)| warning.starts_with(start)), "{warnings:?}");

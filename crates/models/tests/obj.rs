@@ -61,10 +61,7 @@ fn corners_without_what_they_name_are_left_without() {
     let zero = obj(&format!("{SQUARE}vn 0 0 1\nf 1//0 2//1 3//1 4//1"));
     let flat = [[0.0; 3], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]];
     assert_eq!((zero.mesh.triangles.len(), zero.mesh.normals.unwrap()), (2, flat.to_vec()));
-    assert_eq!(
-        zero.warnings,
-        ["1 corners of faces name normals that do not exist, the first in line 6: they have none"]
-    );
+    assert_eq!(zero.warnings, ["a corner of the face in line 6 names normals that do not exist: it has none"]);
     let uvs = obj(&format!("{SQUARE}vt 0.5 1\nf 1/1/0 2/0/5 3/-2/-1\nf 1/1 2/1 3/1"));
     assert_eq!(uvs.mesh.uvs[0].as_ref().unwrap()[..3], [[0.5, 1.0], [0.0, 0.0], [0.0, 0.0]]);
     assert_eq!(
@@ -218,7 +215,7 @@ fn many_warnings_alike_are_one() {
     let faces: String = (0..100).map(|i| format!("usemtl m{i}\nf 1 2 3\n")).collect();
     let model = model(&format!("{SQUARE}{faces}usemtl other\nf 1 2 3"), &textures);
     let expected = [
-        "1 materials are named but in no material library",
+        "1 material is named but in no material library",
         "the texture `t0.png` is not used: it does not exist (and 99 more like this)",
     ];
     assert_eq!(model.warnings, expected);

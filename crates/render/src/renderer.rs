@@ -34,6 +34,8 @@ pub struct Renderer {
     samples_per_pass: Option<u32>,
     /// Most samples that a pass adds to each pixel.
     longest_pass: u32,
+    /// Most rays of a path, shadow rays among them.
+    longest_path: f64,
     /// Flag of who wants the portion under way to end at once.
     stop: Arc<AtomicBool>,
     courses: Films<Course>,
@@ -77,6 +79,9 @@ struct Course {
 const PATIENCE: f64 = 1.5;
 /// Factor by which a portion may be larger than the one before.
 const GROWTH: f64 = 4.0;
+/// Multiple of its time that a portion of rows of which nothing is known may take, should all their paths be as long as
+/// they may be where those before had a single ray: not every device can be stopped midway.
+const SURPRISE: f64 = 32.0;
 const SHORTEST_MEASURE: Duration = Duration::from_millis(1);
 
 /// Progress of a render.
@@ -115,6 +120,7 @@ impl Renderer {
             samples,
             samples_per_pass: None,
             longest_pass: u32::MAX,
+            longest_path: longest_path(scene),
             stop: Arc::default(),
             courses: Films::new(course),
             adaptive: None,
@@ -193,6 +199,7 @@ impl Renderer {
         self.session.restart(scene)?;
         (self.width, self.height) = (scene.work.width, scene.work.height);
         self.identity = Arc::new(Identity::new(scene));
+        self.longest_path = longest_path(scene);
         if let Some(noise) = self.adaptive.as_ref().map(|adaptive| adaptive.noise) {
             self.set_noise(noise);
             self.session.rest(None)?;
@@ -229,6 +236,14 @@ impl Renderer {
         course.rate.min(course.slowest_before)
     }
 
+    /// Part of a portion's time for which work is planned. In the first pass nobody knows the rows that come: they may be
+    /// of the sky, or of a closed room.
+    fn caution(&self) -> f64 {
+        let course = self.courses.shown();
+        let is_first = course.pass.start == self.samples.start && (course.pass.is_empty() || course.row < self.height);
+        if is_first { (SURPRISE / self.longest_path).min(1.0) } else { 1.0 }
+    }
+
     /// Flag that ends the portion under way as soon as the device can, when it is set: what the portion has done stays,
     /// and the next one goes on from there.
     pub fn stop_flag(&self) -> Arc<AtomicBool> {
@@ -258,7 +273,7 @@ impl Renderer {
         }
         self.session.prepare()?;
         let seconds = seconds.min(self.session.patience_seconds());
-        let portion = (self.rate() * seconds).min(GROWTH * self.courses.shown().last);
+        let portion = (self.rate() * self.caution() * seconds).min(GROWTH * self.courses.shown().last);
         if self.courses.shown().row == self.height {
             let unjudged = self.judge()?;
             if self.finished() {
@@ -408,6 +423,11 @@ impl Renderer {
         let settings = settings(self.identity.settings(), noise);
         LateLabel::new(self.identity.clone(), settings, vec![whole, unfinished])
     }
+}
+
+/// Most rays of a path, each with a shadow ray.
+fn longest_path(scene: &DeviceScene) -> f64 {
+    2.0 * f64::from(scene.work.max_depth)
 }
 
 impl Course {

@@ -157,3 +157,43 @@ fn each_film_goes_on_from_where_it_was_left() {
     renderer.show(Feature::Depth).expect("depth is shown");
     assert_eq!(renderer.progress().total_samples, 0);
 }
+
+/// A device on which the rows of the lower half take as long as paths can be over those of a single ray.
+struct Room {
+    seconds_per_ray: f64,
+    longest: Arc<Mutex<Duration>>,
+}
+
+const DEPTH: u32 = 500;
+
+impl Script for Room {
+    fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
+        let rays: f64 = rows.map(|row| if row < HEIGHT / 2 { 1.0 } else { f64::from(2 * DEPTH) }).sum();
+        let seconds = rays * f64::from(WIDTH) * samples.len() as f64 * self.seconds_per_ray;
+        let start = std::time::Instant::now();
+        std::thread::sleep(Duration::from_secs_f64(seconds));
+        let mut longest = self.longest.lock().expect("no test panicked");
+        *longest = start.elapsed().max(*longest);
+        Ok(())
+    }
+}
+
+#[test]
+fn rows_that_nobody_knows_are_taken_with_caution() {
+    // A row of the sky takes 0.2 ms and one of the room 0.2 s: after the sky's portions of 1, 4 and 16 rows the next would
+    // be all that is left, of 7 s.
+    let longest = Arc::new(Mutex::new(Duration::ZERO));
+    let room = Room { seconds_per_ray: 2e-6, longest: longest.clone() };
+    let session = Scripted { size: [WIDTH, HEIGHT], patience: 0.02, script: room };
+    let mut scene = scene();
+    scene.work.max_depth = DEPTH;
+    let mut renderer = Renderer::new(Box::new(session), &scene, 0..1);
+    let mut portions = 0;
+    while *longest.lock().expect("no test panicked") < Duration::from_millis(150) {
+        renderer.advance().expect("a portion");
+        portions += 1;
+    }
+    let longest = *longest.lock().expect("no test panicked");
+    assert!(longest < Duration::from_secs(1), "the first portion with rows of the room took {longest:?}");
+    assert!(portions < 40, "{portions} portions before the room");
+}

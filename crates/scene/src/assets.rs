@@ -12,7 +12,7 @@ use raggio_images::{Bitmap, Image, ImageError, Limits, Problem};
 use raggio_models::{Format, LoadOptions, Model, Place};
 
 use crate::names;
-use cache::{Cache, Key};
+use cache::{Cache, Depends, Key};
 
 pub(crate) use imported::{Bounds, Imported, can_be_undone};
 
@@ -34,7 +34,7 @@ pub struct AssetOptions {
 ///
 /// A scene that is read again, because its text was edited, finds here the files that it named before, and no file is
 /// touched. Files that it no longer names are forgotten; those that have changed on disk are read again after
-/// [`Assets::refresh`].
+/// [`Assets::refresh`], models also where a file that they name has changed, come or gone.
 #[derive(Debug, Default)]
 pub struct Assets {
     options: AssetOptions,
@@ -93,6 +93,12 @@ impl Assets {
         self.files().chain(self.models.values().flat_map(|model| &model.files).map(PathBuf::as_path))
     }
 
+    /// Canonical paths of the files by which the scene may change, in no order: [`Self::all_files`], and where models looked
+    /// for others in vain.
+    pub fn watched_files(&self) -> impl Iterator<Item = &Path> {
+        self.files().chain(self.models.values().flat_map(Depends::others))
+    }
+
     /// Forgets every file that has changed since it was read. Returns whether there was one, now or since a scene was
     /// last read without an error.
     pub fn refresh(&mut self) -> bool {
@@ -145,6 +151,12 @@ impl Assets {
             let Image { bitmap, warnings } = image.map_err(|error| Trouble::whole(names::escaped(&told(error))))?;
             Ok(Picture { bitmap: Arc::new(bitmap), warnings })
         })
+    }
+}
+
+impl Depends for Picture {
+    fn others(&self) -> impl Iterator<Item = &Path> {
+        std::iter::empty()
     }
 }
 

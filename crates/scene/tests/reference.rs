@@ -97,6 +97,10 @@ fn kind(schema: &Value, value: &Value) -> String {
         Some("array") if value["items"]["$ref"].is_string() && value.get("minItems").is_none() => {
             format!("list of {}", kind(schema, &value["items"]).replacen("[table]", "[tables]", 1))
         }
+        Some("array") if value["maxItems"] != value["minItems"] => {
+            let [least, most] = ["minItems", "maxItems"].map(|key| value[key].as_u64().unwrap());
+            format!("{least} to {most} times {}", kind(schema, &value["items"]))
+        }
         Some("array") => match (value["minItems"].as_u64().unwrap(), kind(schema, &value["items"])) {
             (count, kind) if kind.starts_with("number") => kind.replacen("number", &format!("{count} numbers"), 1),
             (count, _) => format!("{count} of these"),

@@ -207,7 +207,7 @@ impl Document {
         self.on_disk.as_ref().is_some_and(read)
     }
 
-    /// Whether a model or an image was written since it was last read.
+    /// Whether a model, an image, or a file that a model names was written since it was last read.
     pub fn assets_changed(&mut self) -> bool {
         self.assets.refresh()
     }

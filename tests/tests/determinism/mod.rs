@@ -5,6 +5,7 @@ mod bounds;
 mod devices_agree;
 mod divided;
 mod film;
+mod patience;
 mod walks;
 
 use raggio_scene::Scene;

@@ -1,6 +1,7 @@
 //! Maps of normals and of anisotropy: what they turn follows the coordinates that their own image lies by.
 
 use glam::DVec3;
+use raggio_scene::Integrator;
 use raggio_tests::devices::cpu;
 use raggio_tests::render;
 use raggio_tests::render::means;
@@ -127,20 +128,31 @@ fn anisotropy_follows_its_own_image() {
     }
 }
 
-/// A mirror in white surroundings is white, however its normals are turned: nothing of a reflection that stays above the
-/// surface is taken away.
+/// A mirror in white surroundings is white, however its normals are turned and wherever the eye is. What is nearly smooth
+/// keeps what stays above the surface.
 #[test]
 fn turned_mirrors_keep_all_light() {
-    for tilt in [10.0f64, 20.0, 32.0] {
+    let mapped = |roughness: f64, tilt: f64| {
         let (sine, cosine) = tilt.to_radians().sin_cos();
         let byte = |x: f64| (127.5 * x + 127.5).round() as u8;
-        for roughness in [0.0, 0.1] {
-            let factors = json!({ "roughnessFactor": roughness });
-            let material = json!({ "pbrMetallicRoughness": factors, "normalTexture": { "index": 0 } });
-            let asset = square(material, [byte(sine), byte(0.0), byte(cosine), 255]);
-            let found = Shot { samples: 256, ..Shot::furnace() }.take(&asset).middle();
-            assert!((found - 1.0).abs().max_element() < 5e-3, "{tilt} degrees, roughness {roughness}: {found}");
+        let factors = json!({ "roughnessFactor": roughness });
+        let material = json!({ "pbrMetallicRoughness": factors, "normalTexture": { "index": 0 } });
+        square(material, [byte(sine), byte(0.0), byte(cosine), 255])
+    };
+    for tilt in [0.0, 10.0, 20.0, 32.0, 45.0, 60.0] {
+        for (integrator, view) in [Integrator::Path, Integrator::Reference]
+            .into_iter()
+            .flat_map(|integrator| [-85.0, -70.0, -40.0, 0.0, 40.0, 70.0, 85.0f64].map(|view| (integrator, view)))
+        {
+            let (sine, cosine) = (0.5 * view.to_radians()).sin_cos();
+            let turned = json!([{ "mesh": 0, "scale": [9, 2, 1], "rotation": [0, sine, 0, cosine] }]);
+            let picture = Shot { integrator, ..Shot::furnace() }.take(&mapped(0.0, tilt).nodes(turned));
+            picture.assert_shows(&format!("{integrator}, {tilt} degrees, seen at {view}"), |_, _| DVec3::ONE);
         }
+    }
+    for tilt in [10.0, 20.0, 32.0] {
+        let found = Shot { samples: 256, ..Shot::furnace() }.take(&mapped(0.1, tilt)).middle();
+        assert!((found - 1.0).abs().max_element() < 5e-3, "{tilt} degrees: {found}");
     }
 }
 

@@ -133,6 +133,25 @@ fn checkerboards() {
     }
 }
 
+/// More colours take turns, along both sides.
+#[test]
+fn checkerboards_of_more_colors() {
+    let colors =
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0], [0.5, 0.25, 0.75]].map(DVec3::from_array);
+    for count in [3, 5] {
+        let board: Vec<_> = colors[..count].iter().map(DVec3::to_array).collect();
+        let own = format!(
+            "base_color = [0, 0, 0], specular = 0, emissive = [1, 1, 1], \
+             emissive_texture = {{ checker = {board:?}, scale = [8, 4], offset = [-2, 1] }}"
+        );
+        let shot = Shot { material: Some(own), ..Shot::default() };
+        assert_shows(&format!("{count} colours"), &shot.take(&Asset::square(glowing())), |u, v| {
+            let field = (u * 8.0 - 2.0).floor() + (v * 4.0 + 1.0).floor();
+            colors[field.rem_euclid(count as f64) as usize]
+        });
+    }
+}
+
 /// Light between texels is blended: halfway between 0 and 1 it is a half.
 #[test]
 fn linear_filters_blend() {

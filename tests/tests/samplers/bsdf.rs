@@ -21,7 +21,7 @@ fn octahedron() -> Arc<Mesh> {
 }
 
 /// Normal map whose normals lean by up to 40 degrees.
-fn bumps() -> Option<Texture> {
+pub fn bumps() -> Option<Texture> {
     let mut random = Pcg::new(9);
     let mut texel = |_| [0, 1, 2, 3].map(|c| if c < 2 { 50 + random.below(156) as u8 } else { 250 });
     let texels = Texels::Rgba8((0..64).map(&mut texel).collect());
@@ -53,22 +53,24 @@ fn principled() -> Vec<(&'static str, Principled)> {
     ]
 }
 
+/// Scene of the octahedron alone, of a plain material with these keys.
+pub fn scene_of_octahedron(text: &str) -> Scene {
+    let camera = "[camera]\nposition = [0, 0, 9]\nlook_at = [0, 0, 0]\nvertical_fov_degrees = 40\n";
+    let mut scene = parse(&format!("{camera}[materials.a]\ncolor = [0.9, 0.5, 0.2]\n{text}"));
+    let geometry = Geometry::Mesh { mesh: octahedron(), world_from_mesh: DAffine3::IDENTITY, first_material: None };
+    scene.shapes.push(Shape { entry: 0, material: 0, geometry });
+    scene
+}
+
 /// Scenes of the octahedron of each material, from outside and from inside.
 fn scenes() -> Vec<(String, Scene)> {
-    let scene = |text: &str| {
-        let camera = "[camera]\nposition = [0, 0, 9]\nlook_at = [0, 0, 0]\nvertical_fov_degrees = 40\n";
-        let mut scene = parse(&format!("{camera}[materials.a]\ncolor = [0.9, 0.5, 0.2]\n{text}"));
-        let geometry = Geometry::Mesh { mesh: octahedron(), world_from_mesh: DAffine3::IDENTITY, first_material: None };
-        scene.shapes.push(Shape { entry: 0, material: 0, geometry });
-        scene
-    };
     let mut scenes: Vec<_> = ["smoothness = 0", "smoothness = 0.4", "smoothness = 0.9", "smoothness = 0.99"]
         .into_iter()
         .chain(["smoothness = 1", "refractive_index = 1.5", "refractive_index = 1.5\nreflection = 0.3"])
-        .map(|text| (text.to_owned(), scene(text)))
+        .map(|text| (text.to_owned(), scene_of_octahedron(text)))
         .collect();
     for (what, surface) in principled() {
-        let mut scene = scene("");
+        let mut scene = scene_of_octahedron("");
         scene.materials[0].principled = Some(Arc::new(surface));
         scenes.push((what.to_owned(), scene));
     }
@@ -76,10 +78,10 @@ fn scenes() -> Vec<(String, Scene)> {
 }
 
 /// Ray of a question: origin, direction, and a number that chooses texels.
-type Ray = (Vec3, Vec3, f32);
+pub type Ray = (Vec3, Vec3, f32);
 
 /// End of a question.
-enum Third {
+pub enum Third {
     /// Random numbers for a sample.
     Numbers([f32; 4]),
     /// Direction to be evaluated.
@@ -87,7 +89,7 @@ enum Third {
 }
 
 /// Rays to the surface from both sides.
-fn rays(count: usize, random: &mut Pcg) -> Vec<Ray> {
+pub fn rays(count: usize, random: &mut Pcg) -> Vec<Ray> {
     let mut ray = |i: usize| {
         let from = if i.is_multiple_of(3) { 0.3 * random.direction() } else { 3.0 * random.direction() };
         let direction = if i.is_multiple_of(3) { random.direction() } else { 0.3 * random.direction() - from };
@@ -96,19 +98,20 @@ fn rays(count: usize, random: &mut Pcg) -> Vec<Ray> {
     (0..count).map(&mut ray).collect()
 }
 
+/// Answer of a surface: a sample, and what is evaluated there.
 #[derive(Debug)]
-struct Sample {
-    wi: Vec3,
-    weight: Vec3,
-    pdf: f32,
-    delta: bool,
+pub struct Sample {
+    pub wi: Vec3,
+    pub weight: Vec3,
+    pub pdf: f32,
+    pub delta: bool,
     /// Value evaluated in direction `wi`.
     value: Vec3,
     density: f32,
 }
 
 /// Asks the surface along each ray for a sample, or for what it does to light from the direction that is given.
-fn ask(device: &TestDevice, scene: &Scene, asked: impl Iterator<Item = (Ray, Third)>) -> Vec<Sample> {
+pub fn ask(device: &TestDevice, scene: &Scene, asked: impl Iterator<Item = (Ray, Third)>) -> Vec<Sample> {
     let questions: Vec<_> = asked
         .map(|((origin, direction, texel), third)| {
             let (sampled, third) = match third {

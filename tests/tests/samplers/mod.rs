@@ -5,6 +5,7 @@ mod densities;
 mod directions;
 mod functions;
 mod microfacets;
+mod mirroring;
 mod numbers;
 mod principled;
 mod sobol;

@@ -7,7 +7,7 @@ use image::RgbImage;
 use crate::common::{files_in, project_file, read_exr};
 use crate::view::SCENE;
 use crate::view::assert_same_picture;
-use crate::view::desk::{Desk, can_draw};
+use crate::view::desk::{Desk, assert_good, can_draw};
 
 #[test]
 fn a_scene_that_is_opened_and_saved_stays_as_it_is() {
@@ -17,6 +17,38 @@ fn a_scene_that_is_opened_and_saved_stays_as_it_is() {
     let desk = Desk::new(SCENE);
     desk.play("wait 1 samples\nsave", &["--device", "cpu", "--size", "400x200"], None);
     assert_eq!(desk.read("scene.toml"), SCENE);
+}
+
+#[test]
+fn what_a_model_names_is_read_again_when_it_changes() {
+    if !can_draw() {
+        return;
+    }
+    let library = |color: &str| format!("newmtl paint\nKd {color}\n");
+    let desk = Desk::new(&format!("{SCENE}[[shapes]]\nmesh = {{ file = \"it.obj\" }}\n"));
+    let triangle = "mtllib it.mtl\nv -1 0 1\nv 1 0 1\nv 0 2 1\nusemtl paint\nf 1 2 3\n";
+    std::fs::write(desk.path("it.obj"), triangle).expect("the model is written");
+    std::fs::write(desk.path("it.mtl"), library("1 0 0")).expect("the library is written");
+    let script = "\
+stop-at 2
+wait 2 samples
+export before.exr
+screenshot ready.png
+wait 1 reloads
+wait 2 samples
+export after.exr
+wait 1 frames
+";
+    let mut run = desk.start(script, &["--device", "cpu", "--size", "200x120"], None);
+    run.wait_for(&desk.path("ready.png"));
+    std::fs::write(desk.path("it.mtl"), library("0 0.25 1")).expect("the library is written");
+    assert_good(&run.finish());
+    desk.assert_valid();
+    let (width, height, _) = read_exr(&desk.path("after.exr"));
+    desk.render("scene.toml", "again.exr", "cpu", (width, height), 2);
+    assert_same_picture(&desk.path("after.exr"), &desk.path("again.exr"));
+    let [before, after] = ["before.exr", "after.exr"].map(|name| std::fs::read(desk.path(name)).expect("a picture"));
+    assert!(before != after, "the triangle has another colour");
 }
 
 #[cfg(unix)]

@@ -7,6 +7,7 @@ use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::meta::{BlockDescription, MetaData};
 
 use super::colors::{self, Kind};
+use super::cube::unfolded_size;
 use super::{chroma, malformed, problem, unsupported};
 use crate::error::Problem;
 use crate::limits::Limits;
@@ -35,6 +36,8 @@ pub(super) struct Layer<'a> {
     pub(super) channels: Vec<Channel>,
     /// Offsets of its blocks in the file, row by row.
     pub(super) offsets: &'a [[u8; OFFSET_BYTES]],
+    /// Whether the layer is six faces of a cube.
+    pub(super) is_cube: bool,
     /// Sentence for the user, where the layer is one of several.
     pub(super) warning: Option<String>,
 }
@@ -59,7 +62,9 @@ impl<'a> Layer<'a> {
         let (index, kind) = (group.header, group.kind().unwrap_or(Kind::Rgb));
         let header = &meta.headers[index];
         let (width, height) = (header.layer_size.width(), header.layer_size.height());
-        limits.check(width as u64, height as u64, size_of::<[f32; 3]>() as u64)?;
+        let is_cube = header.own_attributes.environment_map == Some(EnvironmentMap::Cube);
+        let [wide, high] = if is_cube { unfolded_size(width, height)? } else { [width, height] };
+        limits.check(wide as u64, high as u64, size_of::<[f32; 3]>() as u64)?;
         let block = header.max_block_pixel_size();
         let (block_width, block_height) = (block.width().min(width), block.height().min(height));
         check_blocks(header, block_width, block_height, limits)?;
@@ -90,6 +95,7 @@ impl<'a> Layer<'a> {
             weights,
             channels,
             offsets,
+            is_cube,
             warning,
         })
     }
@@ -148,9 +154,6 @@ fn validate(meta: &MetaData) -> Result<(), Problem> {
 }
 
 fn check_blocks(header: &Header, width: usize, height: usize, limits: &Limits) -> Result<(), Problem> {
-    if header.own_attributes.environment_map == Some(EnvironmentMap::Cube) {
-        return Err(unsupported("it is a cube map; write an image of latitude and longitude"));
-    }
     header.channels.list.iter().try_for_each(|channel| check_sampling(header, channel))?;
     let bytes = (width as u64 * height as u64).saturating_mul(header.channels.bytes_per_pixel as u64);
     if bytes <= limits.most_bytes {

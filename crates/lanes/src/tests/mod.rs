@@ -136,7 +136,12 @@ fn words(bytes: &[u8]) -> Vec<u32> {
 }
 
 fn options() -> Options {
-    Options { hooks: vec!["hook".into()], calls: vec![], columns: vec!["states".into()], specialisation: HashMap::new() }
+    Options {
+        hooks: vec!["hook".into()],
+        calls: vec![],
+        columns: vec!["states".into()],
+        specialisation: HashMap::new(),
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::asset::Asset;
 use super::document::Document;
 use super::fault::at;
 use crate::error::Fault;
-use crate::text::quoted;
+use crate::text::{counted, quoted};
 
 /// Names of the extensions that are understood, those included that change nothing which can be seen.
 const KNOWN: [&str; 29] = [
@@ -57,7 +57,7 @@ pub(super) fn warn(asset: &Asset<'_>) {
     let variants = &document.extensions.variants.variants;
     if !variants.is_empty() {
         let names: Vec<_> = variants.iter().take(20).map(|variant| quoted(variant.name.as_bytes())).collect();
-        let count = variants.len();
-        asset.warnings.push(format!("the file has {count} variants ({}): the default is used", names.join(", ")));
+        let variants = counted(variants.len(), "variant");
+        asset.warnings.push(format!("the file has {variants} ({}): the default is used", names.join(", ")));
     }
 }

@@ -6,6 +6,7 @@ use std::collections::HashSet;
 
 use super::document::Document;
 use super::fault::Warnings;
+use crate::text::counted;
 
 pub(super) fn mend(document: &mut Document, warnings: &Warnings) {
     mend_strides(document, warnings);
@@ -35,7 +36,8 @@ fn mend_weights(document: &mut Document, warnings: &Warnings) {
         let Some(weights) = weights.as_mut().filter(|weights| weights.len() != targets) else { return };
         let (count, path) = (weights.len(), format!("{list}[{i}].weights"));
         let rest = if count > targets { "the rest is not used" } else { "the rest is 0" };
-        warnings.push(format!("{path} has {count} weights for {targets} morph targets: {rest}"));
+        let (has, wants) = (counted(count, "weight"), counted(targets, "morph target"));
+        warnings.push(format!("{path} has {has} for {wants}: {rest}"));
         weights.truncate(targets);
     };
     let targets = document.meshes.iter().map(|mesh| mesh.primitives.first().map_or(0, |first| first.targets.len()));

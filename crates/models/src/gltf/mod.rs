@@ -38,7 +38,7 @@ use std::path::Path;
 use crate::error::{Fault, ModelError};
 use crate::file::{LoadOptions, MOST_BYTES, read};
 use crate::model::Model;
-use crate::text::escaped;
+use crate::text::{counted, escaped};
 use asset::Asset;
 use fault::Warnings;
 use images::Images;
@@ -86,9 +86,9 @@ pub fn load_gltf(path: &Path, options: &GltfOptions) -> Result<Model, ModelError
     let name = escaped(&path.display().to_string());
     let bytes = read(path, options.most_bytes).map_err(|message| Fault::whole(message).of(&name))?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let folder = Folder { path: folder, allow_outside: options.allow_outside, found: RefCell::default() };
+    let folder = Folder { path: folder, allow_outside: options.allow_outside, named: RefCell::default() };
     let model = parse_gltf(&bytes, &name, &folder, options)?;
-    Ok(Model { files: folder.found.into_inner().into_iter().collect(), ..model })
+    Ok(model.naming(folder.named.into_inner()))
 }
 
 /// Reads the bytes of a .gltf or .glb; `name` stands for the file in messages.
@@ -136,7 +136,8 @@ fn convert(bytes: &[u8], resources: &dyn Resources, options: &GltfOptions) -> Re
 fn warn_of_animations(asset: &Asset<'_>) {
     let count = asset.document.animations.len();
     if count > 0 {
-        asset.warnings.push(format!("the file has {count} animations, which need a time: everything is at rest"));
+        let (animations, need) = (counted(count, "animation"), if count == 1 { "needs" } else { "need" });
+        asset.warnings.push(format!("the file has {animations}, which {need} a time: everything is at rest"));
     }
 }
 

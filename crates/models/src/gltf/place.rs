@@ -15,6 +15,7 @@ use super::pose;
 use crate::error::Fault;
 use crate::mesh::Dropped;
 use crate::model::{Camera, Instance, Light, LightKind, Model, Projection};
+use crate::text::counted;
 
 /// Fills a model, node by node.
 pub(super) struct Builder<'a> {
@@ -56,8 +57,8 @@ impl<'a> Builder<'a> {
     pub(super) fn finish(self) -> Model {
         self.dropped.warning().into_iter().for_each(|warning| self.asset.warnings.push(warning));
         if self.flat > 0 {
-            let flat = self.flat;
-            self.asset.warnings.push(format!("{flat} instances are scaled to nothing in some direction and left out"));
+            let (flat, are) = (counted(self.flat, "instance"), if self.flat == 1 { "is" } else { "are" });
+            self.asset.warnings.push(format!("{flat} {are} scaled to nothing in some direction and left out"));
         }
         if self.model.instances.is_empty() {
             self.asset.warnings.push("there are no triangles in the scene");

@@ -2,15 +2,14 @@
 
 use std::borrow::Cow;
 use std::cell::RefCell;
-use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use data_encoding::BASE64_MIME_PERMISSIVE;
 use percent_encoding::{percent_decode, percent_decode_str};
 
 use super::fault::Warnings;
 use crate::file::read;
-use crate::inside::{Refusal, locate};
+use crate::inside::Named;
 use crate::text::quoted;
 
 /// Gives the bytes of the files beside a document.
@@ -35,21 +34,16 @@ impl<F: Fn(&str, u64) -> Result<Vec<u8>, String>> Resources for F {
 pub(super) struct Folder<'a> {
     pub path: &'a Path,
     pub allow_outside: bool,
-    /// Paths of the files that were found.
-    pub found: RefCell<BTreeSet<PathBuf>>,
+    /// Files that were asked for.
+    pub named: RefCell<Named>,
 }
 
 impl Resources for Folder<'_> {
     fn read(&self, name: &str, most_bytes: u64) -> Result<Vec<u8>, String> {
         let relative = self.relative(name);
-        let path = locate(self.path, relative.as_deref().unwrap_or(name), self.allow_outside);
-        let path = path.map_err(|refusal| match refusal {
-            Refusal::Outside | Refusal::LeadsOut => format!("{refusal} unless `--allow-outside` is given"),
-            _ => refusal.to_string(),
-        })?;
-        let bytes = read(&path, most_bytes);
-        self.found.borrow_mut().insert(path);
-        bytes
+        let name = relative.as_deref().unwrap_or(name);
+        let path = self.named.borrow_mut().locate(self.path, name, self.allow_outside);
+        read(&path.map_err(|refusal| refusal.to_string())?, most_bytes)
     }
 }
 

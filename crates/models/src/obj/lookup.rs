@@ -1,10 +1,10 @@
 //! Files by the names that OBJ, MTL and PLY files give them, which were right on another machine.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 use std::fs::read_dir;
 use std::path::{Path, PathBuf};
 
-use crate::inside::{Refusal, locate};
+use crate::inside::{Named, Refusal};
 
 /// Most entries of a folder among which a name in other letter case is looked for.
 const MOST_ENTRIES: usize = 1 << 16;
@@ -15,8 +15,8 @@ pub(crate) struct Lookup<'a> {
     allow_outside: bool,
     /// Names in the folders that have been searched, by what they are in lower case.
     entries: HashMap<PathBuf, HashMap<String, String>>,
-    /// Paths of the files that were found.
-    found: BTreeSet<PathBuf>,
+    /// Files that were looked for.
+    named: Named,
 }
 
 /// A file that is there.
@@ -28,24 +28,13 @@ pub(crate) struct Found {
 
 impl<'a> Lookup<'a> {
     pub(crate) fn new(folder: &'a Path, allow_outside: bool) -> Self {
-        Self { folder, allow_outside, entries: HashMap::new(), found: BTreeSet::new() }
+        Self { folder, allow_outside, entries: HashMap::new(), named: Named::default() }
     }
 
     /// The file called `name` in the first of `beside` that has it: folders as the model names them, each empty or with a
     /// slash at its end. A file of the name in other letter case is the next best, then one in these folders by the last
     /// part of the name alone, which is all that counts of a path on another machine.
     pub(crate) fn find(&mut self, beside: &[&str], name: &str) -> Result<Found, Refusal> {
-        let found = self.look_for(beside, name);
-        self.found.extend(found.iter().map(|found| found.path.clone()));
-        found
-    }
-
-    /// Paths of all files that were found.
-    pub(crate) fn into_found(self) -> BTreeSet<PathBuf> {
-        self.found
-    }
-
-    fn look_for(&mut self, beside: &[&str], name: &str) -> Result<Found, Refusal> {
         let name = name.replace('\\', "/");
         let last = name.rsplit('/').next().filter(|last| *last != name);
         let mut refusal = Refusal::Missing;
@@ -53,7 +42,7 @@ impl<'a> Lookup<'a> {
             let mut missing = Vec::new();
             for folder in beside {
                 let candidate = if is_absolute(name) { name.to_string() } else { format!("{folder}{name}") };
-                match locate(self.folder, &candidate, self.allow_outside) {
+                match self.named.locate(self.folder, &candidate, self.allow_outside) {
                     Ok(path) => return Ok(Found { path, instead: (!is_whole).then_some(candidate) }),
                     Err(Refusal::Missing) => missing.push(candidate),
                     Err(other) if refusal == Refusal::Missing => refusal = other,
@@ -62,7 +51,7 @@ impl<'a> Lookup<'a> {
             }
             let found = missing.iter().find_map(|candidate| {
                 let candidate = self.in_other_case(candidate)?;
-                let path = locate(self.folder, &candidate, self.allow_outside).ok()?;
+                let path = self.named.locate(self.folder, &candidate, self.allow_outside).ok()?;
                 Some(Found { path, instead: Some(candidate) })
             });
             if let Some(found) = found {
@@ -70,6 +59,11 @@ impl<'a> Lookup<'a> {
             }
         }
         Err(refusal)
+    }
+
+    /// Files that were looked for.
+    pub(crate) fn into_named(self) -> Named {
+        self.named
     }
 
     /// The name with each of its parts as a folder has it, whatever their letter case.

@@ -323,6 +323,9 @@ impl Absent {
     fn corners(&self, what: &str) -> Option<String> {
         let Self { count, line } = self;
         (*count > 0).then(|| {
+            if *count == 1 {
+                return format!("a corner of the face in line {line} names {what} that do not exist: it has none");
+            }
             format!("{count} corners of faces name {what} that do not exist, the first in line {line}: they have none")
         })
     }

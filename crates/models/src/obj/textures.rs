@@ -1,6 +1,6 @@
 //! Textures of MTL, read once each and laid out as principled materials have them.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -11,6 +11,7 @@ use super::lookup::{Found, Lookup};
 use super::mtl::MtlMap;
 use super::pack::{Source, packed, packed_bytes};
 use crate::file::{LoadOptions, read};
+use crate::inside::Named;
 use crate::material::{Texture, Wrap};
 use crate::text::{escaped, quoted};
 
@@ -59,9 +60,9 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// Sentences for the user, and the paths of all images that were found.
-    pub(crate) fn finish(self) -> (Vec<String>, BTreeSet<PathBuf>) {
-        (self.warnings, self.lookup.into_found())
+    /// Sentences for the user, and the images that were looked for.
+    pub(crate) fn finish(self) -> (Vec<String>, Named) {
+        (self.warnings, self.lookup.into_named())
     }
 
     /// The texture, or a warning where it cannot be read.

@@ -86,7 +86,7 @@ fn weights_fit_the_morph_targets() {
     builder.json["meshes"][0]["weights"] = json!([1]);
     builder.json["nodes"][0]["weights"] = json!([1, 2]);
     assert_eq!(builder.mesh().positions, CORNERS);
-    let told = ["meshes[0].weights has 1 weights", "nodes[0].weights has 2 weights"];
+    let told = ["meshes[0].weights has 1 weight", "nodes[0].weights has 2 weights"];
     assert_eq!(builder.load().warnings, told.map(|told| format!("{told} for 0 morph targets: the rest is not used")));
 
     let mut builder = Builder::triangle();
@@ -95,7 +95,7 @@ fn weights_fit_the_morph_targets() {
     builder.json["meshes"][0]["primitives"][0]["targets"] = json!([target, target]);
     builder.json["meshes"][0]["weights"] = json!([0.5]);
     assert_eq!(builder.mesh().positions, CORNERS.map(|[x, y, _]| [x, y, 0.5]));
-    assert_eq!(builder.warning(), "meshes[0].weights has 1 weights for 2 morph targets: the rest is 0");
+    assert_eq!(builder.warning(), "meshes[0].weights has 1 weight for 2 morph targets: the rest is 0");
     builder.json["meshes"][0]["weights"] = json!([0.25, 0.5, 9]);
     assert_eq!(builder.mesh().positions, CORNERS.map(|[x, y, _]| [x, y, 0.75]));
 }
@@ -147,5 +147,5 @@ fn broken_vertices_are_cleaned_away_and_told() {
     builder.push("nodes", json!({ "mesh": 0 }));
     assert_eq!(builder.mesh().triangles, [[0, 1, 2]]);
     let warning = builder.warning();
-    assert!(warning.contains("1 faces without area") && warning.contains("1 triangles with a vertex that is not"));
+    assert!(warning.contains("1 face without area") && warning.contains("1 triangle with a vertex that is not"));
 }

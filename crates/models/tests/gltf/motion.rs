@@ -30,7 +30,7 @@ fn without_a_time_nothing_moves() {
     let builder = animated("translation", "LINEAR", "VEC3", &[1.0, 0.0, 0.0, 2.0, 0.0, 0.0]);
     let model = builder.load();
     assert_eq!(model.instances[0].model_from_mesh, glam::DAffine3::IDENTITY);
-    assert!(model.warnings[0].contains("the file has 1 animations, which need a time"));
+    assert!(model.warnings[0].contains("the file has 1 animation, which needs a time"));
 }
 
 #[test]
@@ -185,7 +185,7 @@ fn weights_are_counted() {
     let mut builder = morphed();
     builder.json["nodes"][0]["weights"] = json!([1]);
     assert_eq!(builder.mesh().positions[0], [0.0, 0.0, 1.0]);
-    assert_eq!(builder.warning(), "nodes[0].weights has 1 weights for 2 morph targets: the rest is 0");
+    assert_eq!(builder.warning(), "nodes[0].weights has 1 weight for 2 morph targets: the rest is 0");
 }
 
 /// A triangle whose first corner hangs on one joint, the second on another, and the third on both.

@@ -131,7 +131,7 @@ fn flattened_instances_are_left_out() {
     builder.json["nodes"][0]["scale"] = json!([1, 0, 1]);
     let model = builder.load();
     assert!(model.instances.is_empty());
-    assert!(model.warnings[0].contains("1 instances are scaled to nothing"));
+    assert!(model.warnings[0].contains("1 instance is scaled to nothing"));
 }
 
 /// A hierarchy of a hundred thousand generations is read, so nothing may recurse.

@@ -36,10 +36,26 @@ impl From<Metadata> for Stamp {
     }
 }
 
+/// Contents of a file that other files may have a part in.
+pub(super) trait Depends {
+    /// Paths of these, also of those that were not there.
+    fn others(&self) -> impl Iterator<Item = &Path>;
+}
+
 #[derive(Debug)]
 struct Entry<T> {
     value: Arc<T>,
     stamp: Stamp,
+    /// Other files that have a part in the value; `None` for one that was not there.
+    others: Vec<(PathBuf, Option<Stamp>)>,
+}
+
+impl<T> Entry<T> {
+    /// Whether the file at `path` and all others are as they were.
+    fn is_fresh(&self, path: &Path) -> bool {
+        let is_as = |path: &Path, known: Option<&Stamp>| stamp(path).ok().as_ref() == known;
+        is_as(path, Some(&self.stamp)) && self.others.iter().all(|(path, known)| is_as(path, known.as_ref()))
+    }
 }
 
 /// Contents of files, by their canonical paths.
@@ -58,7 +74,7 @@ impl<T> Default for Cache<T> {
     }
 }
 
-impl<T> Cache<T> {
+impl<T: Depends> Cache<T> {
     /// Contents of the file that are kept, or else those that `read` gives.
     pub(super) fn get_or_read(
         &mut self,
@@ -77,7 +93,8 @@ impl<T> Cache<T> {
             None => {
                 let stamp = stamp(&canonical.path)?;
                 let value = Arc::new(read(&key.path)?);
-                self.entries.insert(canonical.clone(), Entry { value: value.clone(), stamp });
+                let others = value.others().map(|path| (path.to_path_buf(), self::stamp(path).ok())).collect();
+                self.entries.insert(canonical.clone(), Entry { value: value.clone(), stamp, others });
                 value
             }
         };
@@ -97,7 +114,7 @@ impl<T> Cache<T> {
     /// Forgets the files that have changed. Returns whether there was one.
     pub(super) fn refresh(&mut self) -> bool {
         let before = self.entries.len();
-        self.entries.retain(|key, entry| stamp(&key.path).is_ok_and(|now| now == entry.stamp));
+        self.entries.retain(|key, entry| entry.is_fresh(&key.path));
         // A link may lead elsewhere now.
         self.canonical.clear();
         self.entries.len() < before

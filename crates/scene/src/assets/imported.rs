@@ -1,11 +1,12 @@
 //! A model as scenes use it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use raggio_models::{Camera, Instance, Light, Mesh, Model, Principled};
 
+use super::cache::Depends;
 use crate::counts::counted;
 use crate::number::{BRIGHTEST, SMALLEST};
 
@@ -23,6 +24,8 @@ pub(crate) struct Imported {
     pub is_animated: bool,
     /// Files that the model's own names and that were opened, by their canonical paths.
     pub files: Vec<PathBuf>,
+    /// Paths at which such files were looked for in vain.
+    pub missing: Vec<PathBuf>,
     /// Warnings, one sentence each, without the file's name.
     pub warnings: Vec<String>,
     /// Whether any part of an instance has no material of the file's.
@@ -33,7 +36,8 @@ pub(crate) struct Imported {
 
 impl Imported {
     pub(super) fn new(model: Model) -> Self {
-        let Model { meshes, mut instances, materials, mut lights, is_animated, cameras, files, mut warnings } = model;
+        let Model { meshes, mut instances, materials, mut lights, is_animated, cameras, files, missing, mut warnings } =
+            model;
         let bounds: Vec<Bounds> = meshes.iter().map(|mesh| Bounds::of(mesh)).collect();
         let in_file = instances.len();
         instances.retain(|instance| {
@@ -60,12 +64,30 @@ impl Imported {
         let is_bare = |mesh: &Arc<Mesh>| mesh.parts.iter().any(|part| part.material.is_none());
         let bare: Vec<bool> = meshes.iter().map(is_bare).collect();
         let has_bare_parts = instances.iter().any(|instance| bare[instance.mesh]);
-        Self { meshes, instances, materials, lights, cameras, is_animated, files, warnings, has_bare_parts, bounds }
+        Self {
+            meshes,
+            instances,
+            materials,
+            lights,
+            cameras,
+            is_animated,
+            files,
+            missing,
+            warnings,
+            has_bare_parts,
+            bounds,
+        }
     }
 
     /// A box around an instance, which may be larger than need be.
     pub(crate) fn bounds_of(&self, instance: &Instance, world_from_mesh: &DAffine3) -> Bounds {
         self.bounds[instance.mesh].transformed(world_from_mesh)
+    }
+}
+
+impl Depends for Imported {
+    fn others(&self) -> impl Iterator<Item = &Path> {
+        self.files.iter().chain(&self.missing).map(PathBuf::as_path)
     }
 }
 

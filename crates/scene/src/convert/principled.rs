@@ -142,7 +142,7 @@ fn texture(name: &str, key: &str, file: &TextureTable, files: &mut Files<'_>) ->
         let message = format!("`{key}` in {} {what}", place(name));
         Err(Fault::value(steps!["materials", name, "principled", key], message))
     };
-    let image = match (&file.image, file.checker) {
+    let image = match (&file.image, &file.checker) {
         // Files that give only a path have no `image` below, and the path is what is found.
         (Some(image), None) => files.image(image, steps!["materials", name, "principled", key, "image"])?,
         (None, Some(_)) if file.wrap.is_some() => {
@@ -150,6 +150,9 @@ fn texture(name: &str, key: &str, file: &TextureTable, files: &mut Files<'_>) ->
         }
         (None, Some(_)) if file.filter.is_some() => {
             return wrong("is a checkerboard, which has no texels: leave out `filter`");
+        }
+        (None, Some(colors)) if !(2..=16).contains(&colors.len()) => {
+            return wrong(&format!("needs 2 to 16 colours in `checker`, not {}", colors.len()));
         }
         (None, Some(colors)) => return Ok(checker(colors, file)),
         (Some(_), Some(_)) => return wrong("has both `image` and `checker`: choose one of them"),
@@ -171,17 +174,18 @@ fn texture(name: &str, key: &str, file: &TextureTable, files: &mut Files<'_>) ->
     })
 }
 
-/// Checkerboard of two colours: an image of two by two texels.
-fn checker(colors: [[Fraction; 3]; 2], file: &TextureTable) -> Texture {
-    let [first, second] = colors.map(|color| color.map(|channel| f64::from(channel) as f32));
-    let texels = Texels::Rgb32F(vec![first, second, second, first]);
+/// Checkerboard of n colours: an image of n by n texels, in which each row begins one colour later.
+fn checker(colors: &[[Fraction; 3]], file: &TextureTable) -> Texture {
+    let n = colors.len();
+    let color = |i: usize| colors[(i % n + i / n) % n].map(|channel| f64::from(channel) as f32);
+    let texels = Texels::Rgb32F((0..n * n).map(color).collect());
     Texture {
         uv_set: file.uv_set.map_or(0, |set| set.0 as u8),
-        // The image has two fields along each side.
-        transform: transform(file).map(|row| row.map(|number| 0.5 * number)),
+        // The image has n fields along each side.
+        transform: transform(file).map(|row| row.map(|number| number / n as f32)),
         wrap: [Wrap::Repeat; 2],
         filter: TextureFilter::Nearest,
-        ..Texture::new(Arc::new(Bitmap { width: 2, height: 2, texels }))
+        ..Texture::new(Arc::new(Bitmap { width: n as u32, height: n as u32, texels }))
     }
 }
 

@@ -166,8 +166,9 @@ pub(crate) enum AlphaModeFile {
 pub(crate) struct TextureTable {
     /// Path of a PNG, JPEG, WebP, BMP, TGA, TIFF, KTX2, HDR or EXR file, relative to the scene file.
     pub image: Option<String>,
-    /// Two colours, linear, of a checkerboard whose fields have the side 1 in texture coordinates; in place of `image`. With 0 in `scale` fields become stripes.
-    pub checker: Option<[[Fraction; 3]; 2]>,
+    /// Two to sixteen colours, linear, that take turns along both sides of a checkerboard whose fields have the side 1 in texture coordinates; in place of `image`. With 0 in `scale` fields become stripes.
+    #[schemars(length(min = 2, max = 16))]
+    pub checker: Option<Vec<[Fraction; 3]>>,
     /// Number of the mesh's set of texture coordinates, 0 or 1.
     #[schemars(extend("default" = 0))]
     pub uv_set: Option<Whole<0, 1>>,

@@ -137,3 +137,56 @@ fn a_link_that_leads_elsewhere_is_followed_after_a_refresh() {
     let scene = folder.read(&body, &mut assets).unwrap();
     assert_eq!(meshes(&scene)[0].0.positions[2], [0.0, 4.0, 0.0]);
 }
+
+/// Names of the watched files, in order.
+fn watched(folder: &Folder, assets: &Assets) -> Vec<String> {
+    let root = folder.path("").canonicalize().unwrap();
+    let mut names: Vec<_> =
+        assets.watched_files().map(|path| path.strip_prefix(&root).unwrap().display().to_string()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_model_is_read_again_when_a_file_that_it_names_changes_comes_or_goes() {
+    let folder = Folder::new();
+    let mut assets = Assets::default();
+    let body = "[environment]\ncolor = [1, 1, 1]\n[[shapes]]\nmesh = { file = \"parts.obj\" }\n";
+    let mut red = |what: &str, is_stale: bool| {
+        assert_eq!(assets.refresh(), is_stale, "{what}");
+        let scene = folder.read(body, &mut assets).unwrap();
+        assert!(!assets.refresh(), "{what}");
+        let named = scene.materials.iter().find(|material| material.name == "parts.obj/red");
+        let surface = named.map(|material| material.principled.clone().unwrap());
+        (surface, watched(&folder, &assets))
+    };
+    let library = |blue: f32, image: &str| format!("newmtl red\nKd 1 0 {blue}\n{image}\nnewmtl blue\nKd 0 0 1\n");
+    let (first, files) = red("at first", false);
+    assert_eq!(
+        (first.unwrap().base_color, files),
+        ([1.0, 0.0, 0.0], vec!["parts.mtl".into(), "parts.obj".to_string()])
+    );
+
+    folder.write("parts.mtl", library(0.25, ""));
+    assert_eq!(red("another colour", true).0.unwrap().base_color, [1.0, 0.0, 0.25]);
+
+    // An image that is not there yet, and then is, is another, and is gone.
+    folder.write("parts.mtl", library(0.25, "map_Kd new.hdr"));
+    let (surface, files) = red("an image that is missing", true);
+    assert!(surface.unwrap().base_color_texture.is_none());
+    assert_eq!(files, ["new.hdr", "parts.mtl", "parts.obj"]);
+    for side in [1, 3usize] {
+        let header = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {side} +X {side}\n");
+        folder.write("new.hdr", [header.as_bytes(), &[0x80; 4].repeat(side * side)].concat());
+        let (surface, files) = red(&format!("an image of {side} x {side}"), true);
+        assert_eq!(surface.unwrap().base_color_texture.clone().unwrap().image.width as usize, side);
+        assert_eq!(files, ["new.hdr", "parts.mtl", "parts.obj"]);
+    }
+    fs::remove_file(folder.path("new.hdr")).unwrap();
+    assert!(red("no image", true).0.unwrap().base_color_texture.is_none());
+    fs::remove_file(folder.path("parts.mtl")).unwrap();
+    let (_, files) = red("no library", true);
+    assert_eq!(files, ["parts.mtl", "parts.obj"]);
+    folder.write("parts.mtl", library(0.5, ""));
+    assert_eq!(red("the library is back", true).0.unwrap().base_color, [1.0, 0.0, 0.5]);
+}

@@ -155,3 +155,27 @@ fn it_is_shown_by_its_own_camera_and_lights() {
     assert_eq!(scene.lights.len(), 2);
     assert!(scene.materials.iter().any(|it| it.name == "model.gltf/red" && it.imported));
 }
+
+#[test]
+fn a_buffer_that_changes_is_read_again() {
+    let folder = folder();
+    let mut assets = Assets::default();
+    let body = format!("{SHAPE}mesh = {{ file = \"model.gltf\" }}\n");
+    let corner = |scene: &Scene| meshes(scene)[0].0.positions[2];
+    assert_eq!(corner(&folder.read(&body, &mut assets).unwrap()), [0.0, 2.0, 0.0]);
+    let mut bytes = std::fs::read(folder.path("model.bin")).unwrap();
+    bytes[28..32].copy_from_slice(&2.5f32.to_le_bytes());
+    // A file of the same length: what tells is the time at which it was written.
+    std::thread::sleep(std::time::Duration::from_millis(20));
+    folder.write("model.bin", bytes);
+    assert!(assets.refresh());
+    assert_eq!(corner(&folder.read(&body, &mut assets).unwrap()), [0.0, 2.5, 0.0]);
+    // Without the buffer there is no model; it is one again once the buffer is back.
+    let bytes = std::fs::read(folder.path("model.bin")).unwrap();
+    std::fs::remove_file(folder.path("model.bin")).unwrap();
+    assert!(assets.refresh());
+    assert!(folder.read(&body, &mut assets).unwrap_err().to_string().contains("model.bin"));
+    folder.write("model.bin", bytes);
+    assert!(assets.refresh());
+    assert_eq!(corner(&folder.read(&body, &mut assets).unwrap()), [0.0, 2.5, 0.0]);
+}

@@ -222,6 +222,18 @@ base_color_texture = { checker = [[0, 0, 0], [1, 1, 1]], filter = "nearest" }
         "scene.toml:7:22: `base_color_texture` in [materials.a.principled] is a checkerboard, which has no texels: leave out `filter`",
     ),
     (
+        "a checkerboard of one colour",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[materials.a.principled]
+base_color_texture = { checker = [[0, 0, 0]] }
+"#,
+        "scene.toml:7:22: `base_color_texture` in [materials.a.principled] needs 2 to 16 colours in `checker`, not 1",
+    ),
+    (
         "third set of coordinates",
         r#"version = 1
 [camera]

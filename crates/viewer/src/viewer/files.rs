@@ -166,12 +166,13 @@ impl Viewer {
         }
     }
 
-    /// Watches the scene's file, and those that it names, for changes.
+    /// Watches the scene's file, those that it names, and those that models name, for changes.
     pub(super) fn watch_scene(&mut self) {
         // The target of a link is what changes; a scene made for a model has no file yet.
         let scene = self.document.path().canonicalize().ok();
-        let mut files: Vec<PathBuf> = self.document.assets().files().map(PathBuf::from).chain(scene).collect();
+        let mut files: Vec<PathBuf> = self.document.assets().watched_files().map(PathBuf::from).chain(scene).collect();
         files.sort();
+        files.dedup();
         if self.watch.as_ref().is_some_and(|watch| watch.watched() == files) {
             return;
         }
