@@ -28,6 +28,7 @@ pub struct Kernel {
 #[derive(Default)]
 pub struct Source {
     pub kernels: Vec<Kernel>,
+    helpers: Vec<String>,
     text: String,
 }
 
@@ -138,8 +139,11 @@ impl Source {
         self.with_functions(name, given, "", body);
     }
 
-    /// Appends a kernel after `functions`, which are its own.
+    /// Appends a kernel after `functions`, which are its own, `%@helper` among them.
     pub fn with_functions(&mut self, name: &str, given: Given, functions: &str, body: &str) {
+        if !functions.is_empty() {
+            self.helpers.push(format!("{name}_helper"));
+        }
         let mut text = format!("{functions}\n%@ = OpFunction %void None %fn\n%@start = OpLabel\n");
         let (variables, body) = body.split_once("%%%").unwrap_or(("", body));
         text += variables;
@@ -175,6 +179,10 @@ impl Source {
         }
         for Kernel { name, .. } in &self.kernels {
             let _ = writeln!(text, "OpName %{name} \"{name}\"");
+        }
+        // Every other one is called where it is needed.
+        for (helper, name) in self.helpers.iter().zip(["called", "copied"].into_iter().cycle()) {
+            let _ = writeln!(text, "OpName %{helper} \"{name}\"");
         }
         text += DECORATIONS;
         let (types, rest) = DECLARATIONS.split_once("%fn = ").expect("types come first");

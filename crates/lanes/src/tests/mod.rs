@@ -138,7 +138,7 @@ fn words(bytes: &[u8]) -> Vec<u32> {
 fn options() -> Options {
     Options {
         hooks: vec!["hook".into()],
-        calls: vec![],
+        calls: vec!["called".into()],
         columns: vec!["states".into()],
         specialisation: HashMap::new(),
     }
