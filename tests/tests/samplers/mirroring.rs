@@ -121,6 +121,26 @@ fn mirrors_keep_all_light() {
     });
 }
 
+/// Directions that graze so closely that rounding decides are directions still.
+#[test]
+fn views_that_graze_are_finite() {
+    for_each_device(|device| {
+        let mut random = Pcg::new(32);
+        for degrees in [0.0, 1e-3, 30.0] {
+            for (what, material) in mirrors(degrees) {
+                let views = (0..2000).map(|_| {
+                    let up = 10f64.powf(-10.0 + 7.0 * f64::from(random.unit()));
+                    question((random.direction().with_z(0.0).normalize()).with_z(up))
+                });
+                for sample in ask(&device, &square(material.clone()), views) {
+                    let sound = sample.wi.is_normalized() && sample.weight.is_finite();
+                    assert!(sound, "{}: {what}, {degrees} degrees: {sample:?}", device.label);
+                }
+            }
+        }
+    });
+}
+
 #[track_caller]
 fn assert_white(what: &str, samples: &[crate::samplers::bsdf::Sample]) {
     let lost = samples.iter().filter(|s| (s.weight - Vec3::ONE).abs().max_element() > 1e-5).collect::<Vec<_>>();
