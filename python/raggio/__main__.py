@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 
 from . import _raggio
@@ -9,6 +10,9 @@ from . import _raggio
 
 def main() -> int:
     """Runs the program with the arguments of the command line; returns its exit status."""
+    # The program takes Ctrl-C itself, and Python would raise KeyboardInterrupt for it once more at the end.
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
     return _raggio.main(["raggio", *sys.argv[1:]])
 
 

@@ -87,7 +87,7 @@ def test_what_fails_leaves_nothing() -> None:
 
 def test_degenerate_faces_are_a_warning() -> None:
     vertices, faces = SQUARE
-    with pytest.warns(rg.SceneWarning, match="1 faces without area were left out"):
+    with pytest.warns(rg.SceneWarning, match="1 face without area was left out"):
         lit().add((vertices, np.vstack([faces, [[0, 0, 1]]])))
 
 
