@@ -11,7 +11,7 @@ from typing import Any, NoReturn
 
 from . import _raggio
 from ._camera import Camera, checked_size
-from ._errors import Error, Interrupted, SceneWarning
+from ._errors import Interrupted, SceneWarning
 from ._image import Image
 from ._progress import ProgressLike, Report, reporter
 from ._scene import Scene
@@ -337,10 +337,7 @@ def _warn(session: _raggio.Session) -> None:
 def _raise(ended: BaseException, image: Image) -> NoReturn:
     if type(ended) is KeyboardInterrupt:
         raise Interrupted(image) from None
-    if isinstance(ended, Error):
-        ended.image = image
-    else:
-        _attach(ended, image)
+    _attach(ended, image)
     raise ended
 
 

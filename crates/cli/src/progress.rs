@@ -163,7 +163,6 @@ impl Reporter {
 
     /// Prints a line of figures as JSON.
     fn say_figures(&self, phase: &str, progress: &Progress) {
-        let known = |number: f64| if number.is_finite() { Some(number) } else { None };
         let line = json!({
             "phase": phase,
             "fraction": progress.fraction,
@@ -171,7 +170,7 @@ impl Reporter {
             "samples_wanted": (self.end.samples < UNLIMITED_SAMPLES).then_some(self.end.samples),
             "seconds": progress.seconds,
             "seconds_left": seconds_left(progress, self.end),
-            "noise": progress.noise.and_then(|noise| known(noise.error)),
+            "noise": progress.noise.map(|noise| noise.error).filter(|error| error.is_finite()),
             "checkpoint": self.checkpoint.as_ref().map(|path| path.to_string_lossy()),
         });
         say_json(&line);

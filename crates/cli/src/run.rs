@@ -54,9 +54,9 @@ pub fn run(job: Job) -> Result<(), Failure> {
     ready(machine.quiet, || rendering.prepare())?;
     let setup_seconds = start.elapsed().as_secs_f64();
     let samples = rendering.samples();
-    let target = samples.len() as u32;
+    let target = if samples.end < UNLIMITED_SAMPLES { samples.len() as u32 } else { UNLIMITED_SAMPLES };
     // The number of samples is no end to be expected where noise is to end it.
-    let expected = if stop.noise.is_none() && samples.end < UNLIMITED_SAMPLES { target } else { UNLIMITED_SAMPLES };
+    let expected = if stop.noise.is_none() { target } else { UNLIMITED_SAMPLES };
     let end = End { samples: expected, time_limit: stop.time_limit };
     let reporter = Reporter::new(machine.quiet, progress, end);
     let (width, height) = (scene.render.width, scene.render.height);
@@ -73,7 +73,6 @@ pub fn run(job: Job) -> Result<(), Failure> {
     let failure = rendered.failure.take();
     let signal = stopped.signal();
     let (picture, progress) = (&rendered.picture, &rendered.progress);
-    let target = if samples.end < UNLIMITED_SAMPLES { target } else { UNLIMITED_SAMPLES };
     reporter.report(&picture.film, progress, if rendered.finished { progress.samples } else { target });
     // One thing that fails is no reason to lose the others.
     reporter.begin(Phase::Writing);

@@ -1,4 +1,4 @@
-//! What must be kept for lanes that are not active, and what is the same in all lanes.
+//! Registers that must be kept for lanes that are not active, and those that are the same in all lanes.
 //!
 //! All lanes go through the C++ together, and those that are not active *wait* somewhere: at the other way of a branch, at
 //! its end, or at the end of a scope that they have left. An assignment must be masked exactly if the register is *live*
@@ -134,7 +134,7 @@ impl Scan {
 /// Goes through the tree against the order of execution.
 struct Liveness<'a> {
     numbers: &'a [u32],
-    /// What is live behind each scope.
+    /// Registers that are live behind each scope.
     after: Vec<Bits>,
     /// Whether a register that does not outlive its run is live.
     here: Vec<bool>,
@@ -144,7 +144,7 @@ struct Liveness<'a> {
 }
 
 impl Liveness<'_> {
-    /// What is live before a list, if `live` is after it.
+    /// Registers that are live before a list, if `live` are after it.
     fn list(&mut self, nodes: &mut [Node], mut live: Bits) -> Bits {
         for node in nodes.iter_mut().rev() {
             match node {

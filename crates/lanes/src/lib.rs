@@ -6,9 +6,9 @@
 //!
 //! # How it works
 //! 1. `module.rs` reads SPIR-V; nothing has to be optimised before.
-//! 2. `lower.rs` puts calls into their callers, but for those of [`Options::calls`], and makes a tree of the blocks (`program.rs`): branches, loops, and
-//!    scopes that lanes may leave. `arithmetic.rs` and `memory.rs` translate what stands in the blocks. Every scalar of a
-//!    vector, structure or array is a register of its own.
+//! 2. `lower.rs` makes a tree of the blocks (`program.rs`): branches, loops, and scopes that lanes may leave. `lower/calls.rs` puts
+//!    functions into their callers, but for those of [`Options::calls`]; `arithmetic.rs` and `memory.rs` translate what stands
+//!    in the blocks. Every scalar of a vector, structure or array is a register of its own.
 //! 3. `simplify.rs` and `locals.rs` drop scopes that nothing leaves, and copies of local variables.
 //! 4. `analysis.rs` finds out which assignments must be masked, and which registers are the same in all lanes.
 //! 5. `emit.rs` and `cpp.rs` write C++.
@@ -110,7 +110,7 @@ pub fn translate(words: &[u32], entry_points: &[&str], options: &Options) -> Res
         programs.push((*name, lower::Lowering::entry_point(&mut shared, *id)?));
     }
     let lower::Shared { mut called, buffers, .. } = shared;
-    let called = called.iter_mut().map(|(_, name, program)| (&**name, program));
+    let called = called.iter_mut().map(|called| (&*called.name, &mut called.program));
     let mut functions = String::new();
     for (name, program) in called.chain(programs.iter_mut().map(|(name, program)| (*name, program))) {
         program.simplify();

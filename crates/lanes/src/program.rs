@@ -133,7 +133,7 @@ pub enum Instruction {
     Return(Vec<Value>),
 }
 
-/// What is called.
+/// Function that a call is of.
 #[derive(Clone, Debug)]
 pub enum Callee {
     /// A function that is written by hand.

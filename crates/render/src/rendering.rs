@@ -355,7 +355,7 @@ impl Rendering {
     fn picture(&self, film: Film, features: Option<Features>) -> Picture {
         let mut extras = Extras { channels: vec![], metadata: Some(self.metadata.clone()) };
         if let Some(metadata) = &mut extras.metadata {
-            metadata.samples = film.pixels().iter().map(|pixel| pixel.samples).max().unwrap_or(0);
+            metadata.samples = film.most_samples();
         }
         let mut guides = None;
         if let Some(features) = features {

@@ -17,7 +17,7 @@ pub struct Export {
 
 /// Writes `film` as `raggio render` does, with all that an EXR says of how it was made.
 pub fn write(file: &ImageFile, film: &Film, display: Display, mut metadata: Metadata) -> Result<(), OutputError> {
-    metadata.samples = film.pixels().iter().map(|pixel| pixel.samples).max().unwrap_or(0);
+    metadata.samples = film.most_samples();
     file.write_with(film, display, &Extras { channels: vec![], metadata: Some(metadata) })
 }
 

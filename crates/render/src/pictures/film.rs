@@ -131,6 +131,11 @@ impl Film {
         (range.0.min(range.1), range.1)
     }
 
+    /// Most samples that any pixel has.
+    pub fn most_samples(&self) -> u32 {
+        self.pixels.iter().map(|pixel| pixel.samples).max().unwrap_or(0)
+    }
+
     /// Number of samples that were left out because they had no value that can be added up.
     pub fn rejected(&self) -> u64 {
         self.pixels.iter().map(|p| u64::from(p.rejected)).sum()

@@ -67,7 +67,7 @@ impl Metadata {
         let camera = matrix(WORLD_TO_CAMERA).zip(matrix(WORLD_TO_NDC));
         Some(Self {
             scene: String::from_utf8_lossy(label.note(SCENE).unwrap_or_default()).into_owned(),
-            samples: film.pixels().iter().map(|pixel| pixel.samples).max().unwrap_or(0),
+            samples: film.most_samples(),
             denoiser: None,
             version: label.version().into(),
             settings: SETTINGS.iter().filter_map(setting).collect(),
@@ -107,7 +107,7 @@ impl Metadata {
     }
 }
 
-/// What the matrices of a picture are made of.
+/// Camera and size of a picture, of which its matrices are made.
 struct View<'a> {
     camera: &'a Camera,
     settings: &'a RenderSettings,

@@ -130,7 +130,7 @@ struct Plan<'a> {
     root: u32,
     /// Reciprocal of the largest box's area, which keeps costs within range.
     unit: f64,
-    /// What is known of each node.
+    /// Knowledge of each node.
     trees: Vec<Tree>,
 }
 
@@ -139,7 +139,7 @@ impl Plan<'_> {
         (area(child) * self.unit) as f32
     }
 
-    /// What is known of a child.
+    /// Knowledge of a child.
     fn tree(&self, child: &BvhChild, leaves: &impl Leaves) -> Tree {
         match child.count() {
             0 => self.trees[(child.first() - self.root) as usize],
@@ -150,7 +150,7 @@ impl Plan<'_> {
         }
     }
 
-    /// What is known of the node at `place`, whose children are known.
+    /// Knowledge of the node at `place`, from that of its children.
     fn join(&self, place: usize, leaves: &impl Leaves) -> Tree {
         let node = &self.binary[place];
         let around = self.area(&around(node));
