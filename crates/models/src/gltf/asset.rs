@@ -82,11 +82,15 @@ impl<'a> Asset<'a> {
         path: &str,
     ) -> Result<Vec<[f32; N]>, Fault> {
         let component = self.accessor(number).component_type;
+        let bytes = self.gather(number, used, N, path)?;
+        let mut values = vec![[0.0; N]; bytes.len() / (N * component.size())];
+        let numbers = bytes.chunks_exact(component.size());
+        values.as_flattened_mut().iter_mut().zip(numbers).for_each(|(value, bytes)| *value = component.float(bytes));
         let largest = component.largest();
         if normalized && largest != 1.0 {
-            return self.gather(number, used, path, |bytes| (component.float(bytes) / largest).max(-1.0));
+            values.as_flattened_mut().iter_mut().for_each(|value| *value = (*value / largest).max(-1.0));
         }
-        self.gather(number, used, path, |bytes| component.float(bytes))
+        Ok(values)
     }
 
     /// Elements like those of [`Self::floats`], scaled as the accessor says.
@@ -110,46 +114,42 @@ impl<'a> Asset<'a> {
         if !component.is_unsigned() {
             return Err(at(path, format!("accessor {number} should have unsigned integers: it has {component:?}")));
         }
-        self.gather(number, used, path, |bytes| component.integer(bytes))
+        let bytes = self.gather(number, used, N, path)?;
+        let mut values = vec![[0; N]; bytes.len() / (N * component.size())];
+        let numbers = bytes.chunks_exact(component.size());
+        values.as_flattened_mut().iter_mut().zip(numbers).for_each(|(value, bytes)| *value = component.integer(bytes));
+        Ok(values)
     }
 
-    fn gather<T: Copy + Default, const N: usize>(
-        &self,
-        number: usize,
-        used: Option<&[u32]>,
-        path: &str,
-        decode: impl Fn(&[u8]) -> T,
-    ) -> Result<Vec<[T; N]>, Fault> {
+    /// Bytes of the elements of an accessor, one after the other, each of `width` numbers.
+    fn gather(&self, number: usize, used: Option<&[u32]>, width: usize, path: &str) -> Result<Vec<u8>, Fault> {
         let accessor = self.accessor(number);
-        let (is, should) = (accessor.kind, kind_of_width(N));
+        let (is, should) = (accessor.kind, kind_of_width(width));
         if is != should {
             return Err(at(path, format!("accessor {number} is {is:?}: it should be {should:?}")));
         }
         let count = used.map_or(accessor.count, <[u32]>::len);
-        self.budget.take(count, size_of::<[T; N]>(), path)?;
-        let mut values = vec![[T::default(); N]; count];
-        let component_size = accessor.component_type.size();
-        let element = |bytes: &[u8]| std::array::from_fn(|i| decode(&bytes[i * component_size..]));
+        let size = accessor.kind.size(accessor.component_type);
+        // There are these bytes, and then the numbers of them.
+        self.budget.take(count, size + width * size_of::<u32>(), path)?;
+        let mut elements = vec![0; count * size];
         if let Some(view) = accessor.buffer_view {
             let bytes = self.view(view, path)?.get(accessor.byte_offset..).unwrap_or_default();
             let stride = self.stride(accessor, view);
-            match used {
-                None => values.iter_mut().enumerate().for_each(|(i, value)| *value = element(&bytes[i * stride..])),
-                Some(used) => {
-                    values.iter_mut().zip(used).for_each(|(value, i)| *value = element(&bytes[*i as usize * stride..]));
-                }
+            for (i, element) in elements.chunks_exact_mut(size).enumerate() {
+                let first = used.map_or(i, |used| used[i] as usize) * stride;
+                element.copy_from_slice(&bytes[first..first + size]);
             }
         }
-        self.replace_sparse(accessor, used, &mut values, element, &format!("accessors[{number}].sparse"))?;
-        Ok(values)
+        self.replace_sparse(accessor, used, &mut elements, &format!("accessors[{number}].sparse"))?;
+        Ok(elements)
     }
 
-    fn replace_sparse<E>(
+    fn replace_sparse(
         &self,
         accessor: &Accessor,
         used: Option<&[u32]>,
-        values: &mut [E],
-        element: impl Fn(&[u8]) -> E,
+        elements: &mut [u8],
         path: &str,
     ) -> Result<(), Fault> {
         let Some(sparse) = &accessor.sparse else { return Ok(()) };
@@ -171,7 +171,7 @@ impl<'a> Asset<'a> {
             least = index as usize + 1;
             let place = used.map_or(Some(index as usize), |used| used.binary_search(&index).ok());
             if let Some(place) = place {
-                values[place] = element(&replacements[k * size..]);
+                elements[place * size..][..size].copy_from_slice(&replacements[k * size..][..size]);
             }
         }
         Ok(())

@@ -1,10 +1,10 @@
 //! Documents from bytes: GLB or plain JSON.
 
-use serde_json::{Deserializer, Value};
+use serde_json::Value;
 
 use super::document::Document;
 use super::fault::{Warnings, at};
-use super::nulls;
+use super::{json_path, nulls};
 use crate::error::{Fault, Place};
 use crate::text::escaped;
 
@@ -101,21 +101,18 @@ fn is_utf16(json: &[u8]) -> bool {
 }
 
 fn deserialize(json: &[u8], has_lines: bool) -> Result<Document, Fault> {
-    let mut reader = Deserializer::from_slice(json);
-    let document = serde_path_to_error::deserialize(&mut reader).map_err(|error| fault(error, has_lines))?;
-    reader.end().map_err(|_| Fault::whole("nothing should follow the JSON of the document"))?;
+    let document = serde_json::from_slice(json).map_err(|error| fault(error, json, has_lines))?;
     Ok(document)
 }
 
-fn fault(error: serde_path_to_error::Error<serde_json::Error>, has_lines: bool) -> Fault {
-    let path = error.path().to_string();
-    let inner = error.into_inner();
-    let mut message = inner.to_string();
-    let line = inner.line();
+fn fault(error: serde_json::Error, json: &[u8], has_lines: bool) -> Fault {
+    let line = error.line();
+    let mut message = error.to_string();
     if let Some(end) = message.rfind(" at line ") {
         message.truncate(end);
     }
-    let message = if path == "." { message } else { format!("{path}: {message}") };
+    let path = json_path::of(json, line, error.column());
+    let message = if path.is_empty() { message } else { format!("{path}: {message}") };
     let message = shortened(&escaped(&message));
     if has_lines && line > 0 { Fault::line(line, message) } else { Fault::whole(message) }
 }
@@ -133,7 +130,8 @@ fn second_look(json: &[u8], first: Fault, warnings: &Warnings) -> Result<Documen
     if removed.is_empty() {
         return Err(first);
     }
-    let document = serde_path_to_error::deserialize(value).map_err(|error| fault(error, false))?;
+    // The text is made anew, so that the compiler need not make a second reader, from values.
+    let document = deserialize(value.to_string().as_bytes(), false)?;
     removed.iter().for_each(|path| warnings.push(format!("{path} is null: its default is used")));
     Ok(document)
 }

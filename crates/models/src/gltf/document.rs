@@ -2,12 +2,13 @@
 //!
 //! References between its parts are plain numbers, which [`super::validate`] checks all at once.
 
+mod code;
 pub(super) mod data;
 pub(super) mod material;
 
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 
 pub(super) use data::{Accessor, Buffer, BufferView};
 pub(super) use material::{Image, Material, Sampler, Texture};
@@ -219,8 +220,7 @@ pub(super) struct Draco {
 }
 
 /// Figures that a primitive's vertices make up.
-#[derive(Deserialize, Clone, Copy, Debug, Default, PartialEq)]
-#[serde(try_from = "u32")]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum Mode {
     PointsOrLines,
     #[default]
@@ -240,6 +240,12 @@ impl TryFrom<u32> for Mode {
             6 => Ok(Self::Fan),
             _ => Err(format!("the mode is {mode}: it should be 0 to 6")),
         }
+    }
+}
+
+impl<'de> Deserialize<'de> for Mode {
+    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+        code::read(reader)
     }
 }
 

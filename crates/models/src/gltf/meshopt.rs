@@ -3,6 +3,7 @@
 //! The codecs are meshoptimizer's own, whose decoders are made for untrusted bytes; what they assume of sizes is
 //! checked before.
 
+use bytemuck::{Pod, Zeroable, cast_slice, pod_collect_to_vec};
 use meshopt::{
     decode_filter_color, decode_filter_exp, decode_filter_oct, decode_filter_quat, decode_index_buffer,
     decode_index_sequence, decode_vertex_buffer,
@@ -18,10 +19,18 @@ pub(super) fn decode(compressed: &Meshopt, bytes: &[u8]) -> Result<Vec<u8>, Stri
     }
     let decoded = match (compressed.mode, compressed.byte_stride) {
         (MeshoptMode::Attributes, stride) => return attributes(stride, bytes, count, compressed.filter),
-        (MeshoptMode::Triangles, 2) => decode_index_buffer::<u16>(bytes, count).map(bytes_of_u16),
-        (MeshoptMode::Triangles, _) => decode_index_buffer::<u32>(bytes, count).map(bytes_of_u32),
-        (MeshoptMode::Indices, 2) => decode_index_sequence::<u16>(bytes, count).map(bytes_of_u16),
-        (MeshoptMode::Indices, _) => decode_index_sequence::<u32>(bytes, count).map(bytes_of_u32),
+        (MeshoptMode::Triangles, 2) => {
+            decode_index_buffer::<u16>(bytes, count).map(|indices| cast_slice(&indices).to_vec())
+        }
+        (MeshoptMode::Triangles, _) => {
+            decode_index_buffer::<u32>(bytes, count).map(|indices| cast_slice(&indices).to_vec())
+        }
+        (MeshoptMode::Indices, 2) => {
+            decode_index_sequence::<u16>(bytes, count).map(|indices| cast_slice(&indices).to_vec())
+        }
+        (MeshoptMode::Indices, _) => {
+            decode_index_sequence::<u32>(bytes, count).map(|indices| cast_slice(&indices).to_vec())
+        }
     };
     decoded.map_err(damaged)
 }
@@ -30,16 +39,9 @@ fn damaged(error: meshopt::Error) -> String {
     format!("the compressed data is damaged: {error}")
 }
 
-fn bytes_of_u16(values: Vec<u16>) -> Vec<u8> {
-    values.into_iter().flat_map(u16::to_le_bytes).collect()
-}
-
-fn bytes_of_u32(values: Vec<u32>) -> Vec<u8> {
-    values.into_iter().flat_map(u32::to_le_bytes).collect()
-}
-
 /// An element of `4 * N` bytes; the decoder writes them as they lie in memory.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(transparent)]
 struct Element<const N: usize>([u32; N]);
 
 impl<const N: usize> Default for Element<N> {
@@ -48,57 +50,44 @@ impl<const N: usize> Default for Element<N> {
     }
 }
 
-fn elements<const N: usize>(bytes: &[u8], count: usize, filter: MeshoptFilter) -> Result<Vec<u8>, String> {
-    let elements = decode_vertex_buffer::<Element<N>>(bytes, count).map_err(damaged)?;
-    let mut words: Vec<[u32; N]> = elements.into_iter().map(|element| element.0).collect();
-    if filter == MeshoptFilter::Exponential {
-        decode_filter_exp(&mut words);
-    }
-    Ok(words.as_flattened().iter().flat_map(|word| word.to_ne_bytes()).collect())
+/// Bytes of decoded elements. There are 64 of this function, so it does nothing that need not know the size.
+fn elements<const N: usize>(bytes: &[u8], count: usize) -> Result<Vec<u8>, String> {
+    Ok(cast_slice(&decode_vertex_buffer::<Element<N>>(bytes, count).map_err(damaged)?).to_vec())
 }
 
 /// Decoded attributes; `stride` is a multiple of 4 up to 256, and 4 or 8 where a filter asks for that.
 fn attributes(stride: usize, bytes: &[u8], count: usize, filter: MeshoptFilter) -> Result<Vec<u8>, String> {
-    use MeshoptFilter::{Color, Octahedral, Quaternion};
+    use MeshoptFilter::{Color, Exponential, Octahedral, Quaternion};
     match (filter, stride) {
         (Octahedral, 4) => filtered::<i8>(bytes, count, decode_filter_oct),
         (Octahedral, _) => filtered::<i16>(bytes, count, decode_filter_oct),
         (Quaternion, _) => filtered::<i16>(bytes, count, decode_filter_quat),
         (Color, 4) => filtered::<i8>(bytes, count, decode_filter_color),
         (Color, _) => filtered::<i16>(bytes, count, decode_filter_color),
-        _ => elements_of_stride(stride, bytes, count, filter),
+        (Exponential, _) => {
+            let mut decoded = elements_of_stride(stride, bytes, count)?;
+            // Each word has an exponent of its own, whatever the stride.
+            let mut words: Vec<[u32; 1]> = pod_collect_to_vec(&decoded);
+            decode_filter_exp(&mut words);
+            decoded.copy_from_slice(cast_slice(&words));
+            Ok(decoded)
+        }
+        (MeshoptFilter::None, _) => elements_of_stride(stride, bytes, count),
     }
 }
 
-/// A small integer and its bytes.
-trait Small: Copy + Default {
-    fn bytes(self) -> impl Iterator<Item = u8>;
-}
-
-impl Small for i8 {
-    fn bytes(self) -> impl Iterator<Item = u8> {
-        self.to_le_bytes().into_iter()
-    }
-}
-
-impl Small for i16 {
-    fn bytes(self) -> impl Iterator<Item = u8> {
-        self.to_le_bytes().into_iter()
-    }
-}
-
-fn filtered<T: Small>(bytes: &[u8], count: usize, filter: impl Fn(&mut [[T; 4]])) -> Result<Vec<u8>, String> {
+fn filtered<T: Pod + Default>(bytes: &[u8], count: usize, filter: impl Fn(&mut [[T; 4]])) -> Result<Vec<u8>, String> {
     let mut vectors = decode_vertex_buffer::<[T; 4]>(bytes, count).map_err(damaged)?;
     filter(&mut vectors);
-    Ok(vectors.as_flattened().iter().flat_map(|value| value.bytes()).collect())
+    Ok(cast_slice(&vectors).to_vec())
 }
 
 /// Calls `elements` for the stride: the size of an element is part of its type.
-fn elements_of_stride(stride: usize, bytes: &[u8], count: usize, filter: MeshoptFilter) -> Result<Vec<u8>, String> {
+fn elements_of_stride(stride: usize, bytes: &[u8], count: usize) -> Result<Vec<u8>, String> {
     macro_rules! choose {
         ($($words:literal)*) => {
             match stride / 4 {
-                $($words => elements::<$words>(bytes, count, filter),)*
+                $($words => elements::<$words>(bytes, count),)*
                 _ => Err(format!("`byteStride` is {stride}: it should be 4 to 256")),
             }
         };

@@ -20,6 +20,7 @@ mod draco;
 mod extensions;
 mod fault;
 mod images;
+mod json_path;
 mod materials;
 mod mend;
 mod mesh;

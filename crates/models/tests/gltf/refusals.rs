@@ -172,6 +172,44 @@ fn syntax_errors_name_the_line() {
 }
 
 #[test]
+fn errors_name_their_place() {
+    let error = |members: &str| {
+        let text =
+            format!("{{\n\"asset\": {{ \"version\": \"2.0\", \"generator\": \"a \\\" ]}} b\" }},\n{members}\n}}");
+        let error = parse_gltf(text.as_bytes(), "a.gltf", &no_files, &GltfOptions::default()).unwrap_err();
+        assert!(matches!(error.place, Place::Line(_)), "{error}");
+        error.to_string()
+    };
+    for (members, place) in [
+        // A number where a name should be, and the other way round; first, last and alone in their object.
+        (r#""nodes": [{}, { "name": 5, "mesh": 0 }]"#, "a.gltf:3: nodes[1].name: "),
+        (r#""nodes": [{}, { "mesh": 0, "name": 5 }]"#, "a.gltf:3: nodes[1].name: "),
+        (r#""nodes": [{}, { "mesh": "x" }]"#, "a.gltf:3: nodes[1].mesh: "),
+        // Whatever is another kind of value.
+        (r#""nodes": [{ "name": { "a": 1 } }]"#, "a.gltf:3: nodes[0].name: "),
+        (r#""nodes": [{ "mesh": [1] }]"#, "a.gltf:3: nodes[0].mesh: "),
+        ("\"nodes\":\n\n5", "a.gltf:5: nodes: "),
+        // Members that are missing, before and after others of the same list.
+        (r#""bufferViews": [{ "buffer": 0 }, {}]"#, "a.gltf:3: bufferViews[0]: "),
+        (r#""bufferViews": [{ "buffer": 0, "byteLength": 4 }, { "byteLength": 4 }]"#, "a.gltf:3: bufferViews[1]: "),
+        // Lists that are too short.
+        (r#""nodes": [{ "translation": [1, 2] }]"#, "a.gltf:3: nodes[0].translation: "),
+        // Numbers that stand for something.
+        (
+            r#""meshes": [{ "primitives": [{ "mode": 9, "attributes": {} }] }]"#,
+            "a.gltf:3: meshes[0].primitives[0].mode: ",
+        ),
+        (
+            "\"accessors\": [\n{ \"count\": 1, \"type\": \"VEC3\", \"componentType\": 1 }\n]",
+            "a.gltf:4: accessors[0].componentType: ",
+        ),
+    ] {
+        let found = error(members);
+        assert!(found.contains(place), "{members}: {found}");
+    }
+}
+
+#[test]
 fn headers_and_chunks_of_glb() {
     let whole = Builder::triangle().glb();
     let error = |bytes: &[u8]| parse_gltf(bytes, "a.glb", &no_files, &GltfOptions::default()).unwrap_err().to_string();

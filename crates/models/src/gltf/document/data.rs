@@ -1,6 +1,8 @@
 //! Places of numbers: buffers, views, accessors.
 
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
+
+use super::code;
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
@@ -125,8 +127,7 @@ pub(in crate::gltf) struct SparseValues {
 }
 
 /// The type of one number.
-#[derive(Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
-#[serde(try_from = "u32")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::gltf) enum Component {
     I8,
     U8,
@@ -149,6 +150,12 @@ impl TryFrom<u32> for Component {
             5126 => Ok(Self::F32),
             _ => Err(format!("the component type is {code}: it should be 5120, 5121, 5122, 5123, 5125 or 5126")),
         }
+    }
+}
+
+impl<'de> Deserialize<'de> for Component {
+    fn deserialize<D: Deserializer<'de>>(reader: D) -> Result<Self, D::Error> {
+        code::read(reader)
     }
 }
 
