@@ -26,7 +26,7 @@ setup-python: # setup, and what builds and tests the Python module
 
 demo: setup ## build raggio and render its showcase
 	@# Without the window, and for this processor alone: a third of what there is to compile.
-	$(env) RAGGIO_KERNEL_LEVELS=native cargo run --release --package raggio-cli --no-default-features -- demo
+	$(env) RAGGIO_KERNEL_LEVELS=native cargo run --profile quick --package raggio-cli --no-default-features -- demo
 
 install: setup ## put raggio, completions and manual pages into PREFIX (~/.local)
 	$(env) cargo build --release --package raggio-cli
@@ -40,7 +40,7 @@ python: setup-python ## build the Python module into .venv
 	$(env) RAGGIO_KERNEL_LEVELS=native maturin develop --release --no-default-features
 
 test: setup-tests ## build and run all tests
-	$(test_env) cargo test --release --workspace
+	$(test_env) cargo test --profile quick --workspace
 
 test-python: python ## test the Python module
 	$(env) python -m pytest -q
@@ -49,7 +49,7 @@ test-python: python ## test the Python module
 # disk built into a copy of the tree: what takes long and has rarely found anything beyond what `make test` runs. No run for
 # a change needs it.
 test-long: setup-tests ## the tests with all that is too slow for `make test`
-	$(test_env) RAGGIO_TEST_LONG=1 cargo test --release --workspace
+	$(test_env) RAGGIO_TEST_LONG=1 cargo test --profile quick --workspace
 
 # The readers need no kernels, so nothing is set up. The limit on memory, in KiB, is for all formats of a program together.
 fuzz_seconds ?= 60
@@ -80,7 +80,7 @@ style: setup # lint without the compiler
 	else echo "lint: cargo-deny is not installed: licences and sources of dependencies were NOT checked (see make deny)"; fi
 
 lint: style ## check formatting, the documentation's links, warnings and, with cargo-deny, licences
-	$(test_env) cargo clippy --workspace --all-targets --release -- -D warnings
+	$(test_env) cargo clippy --workspace --all-targets --profile quick -- -D warnings
 
 deny: ## check dependencies: licences, sources, known vulnerabilities (needs cargo-deny and the network)
 	@$(env) cargo deny --version >/dev/null 2>&1 || \
