@@ -4,7 +4,8 @@ use std::str::FromStr;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, UnknownArgumentValueParser};
 use clap::{Args, Parser, Subcommand};
 use raggio_render::{
-    Aov, Choice, CpuOptions, DeviceChoice, Every, OpenOptions, PictureFormat, PngBits, ToneMapper, endings,
+    Aov, Choice, CpuOptions, DeviceChoice, DeviceSelection, Every, OpenOptions, PictureFormat, PngBits, ToneMapper,
+    endings,
 };
 use raggio_scene::{AssetOptions, Filter, Integrator, ModelFormat, Sampler};
 
@@ -268,9 +269,10 @@ impl AssetArguments {
 /// Machine to render on, and how loudly.
 #[derive(Args)]
 pub struct MachineArguments {
-    /// Device: auto, cpu, vulkan or vulkan:N (N as in `raggio devices`); auto is a GPU if there is one, else the CPU
-    #[arg(long, value_name = "DEVICE", default_value_t = DeviceChoice::Auto)]
-    pub device: DeviceChoice,
+    /// Device: auto, cpu, vulkan or vulkan:N (N as in `raggio devices`); auto is a GPU if there is one, else the CPU;
+    /// several separated by commas share the picture, and all is every GPU with the CPU
+    #[arg(long, value_name = "DEVICE", default_value_t = DeviceChoice::Auto.into())]
+    pub device: DeviceSelection,
     /// Threads of the cpu device; where there are fewer cores, 64 at most [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub threads: Option<u32>,

@@ -48,7 +48,7 @@ pub fn run(job: Job) -> Result<(), Failure> {
         ));
     }
     raggio_render::check_memory(scene.render.width, scene.render.height)?;
-    let device = ready(machine.quiet, || raggio_render::open(machine.device, machine.options(), warn))?;
+    let device = ready(machine.quiet, || raggio_render::open_all(&machine.device, &machine.options(), warn))?;
     let (stop, checkpoint) = (request.stop.clone(), request.checkpoints.as_ref().map(|kept| kept.path.clone()));
     let mut rendering = Rendering::begin(&scene, &*device, request)?;
     ready(machine.quiet, || rendering.prepare())?;

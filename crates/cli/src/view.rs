@@ -15,10 +15,12 @@ pub fn view(arguments: &ViewArguments) -> Result<(), Failure> {
     check_apart(file.as_slice(), &inputs(arguments))?;
     #[cfg(unix)]
     leave_nothing_half_written();
+    let device = arguments.machine.device.single();
+    let device = device.ok_or_else(|| Failure::Input("--device: a window takes one device".into()))?;
     let options = Options {
         scene: arguments.scene.clone(),
         assets: arguments.assets.options(None),
-        device: arguments.machine.device,
+        device,
         open: arguments.machine.options(),
         size: [arguments.size.width, arguments.size.height],
         scale: arguments.scale,

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use pyo3::prelude::*;
-use raggio_render::{CpuOptions, Device, DeviceChoice, OpenOptions, open};
+use raggio_render::{CpuOptions, Device, DeviceSelection, OpenOptions, open_all};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::errors::{DeviceError, device_error};
@@ -37,7 +37,7 @@ pub fn on_threads<T: Send>(work: impl FnOnce() -> PyResult<T> + Send) -> PyResul
 
 /// The device that `name` chooses, opened once in each process; `warn` hears why `auto` passes over a GPU.
 pub fn device(name: &str, threads: usize, warn: impl Fn(&str)) -> PyResult<Arc<dyn Device>> {
-    let choice: DeviceChoice = name.parse().map_err(|error| DeviceError::new_err(format!("device: {error}")))?;
+    let choice: DeviceSelection = name.parse().map_err(|error| DeviceError::new_err(format!("device: {error}")))?;
     let key = (choice.to_string(), threads);
     let known = |host: &Option<Host>| host.as_ref().and_then(|host| host.devices.get(&key).cloned());
     let lock = || HOST.lock().unwrap_or_else(PoisonError::into_inner);
@@ -45,8 +45,8 @@ pub fn device(name: &str, threads: usize, warn: impl Fn(&str)) -> PyResult<Arc<d
         return Ok(device);
     }
     let cpu = CpuOptions { threads, ..CpuOptions::default() };
-    let device: Arc<dyn Device> =
-        open(choice, OpenOptions { cpu, ..OpenOptions::default() }, warn).map_err(device_error)?.into();
+    let options = OpenOptions { cpu, ..OpenOptions::default() };
+    let device: Arc<dyn Device> = open_all(&choice, &options, warn).map_err(device_error)?.into();
     lock().get_or_insert_default().devices.insert(key, device.clone());
     Ok(device)
 }

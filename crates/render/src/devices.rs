@@ -5,5 +5,6 @@ pub mod choice;
 pub mod cpu;
 pub mod device;
 pub mod films;
+pub mod group;
 pub mod machine;
 pub mod vulkan;

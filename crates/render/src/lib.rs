@@ -16,9 +16,10 @@ mod translation;
 
 pub use checkpoint::{CheckpointError, Checkpoints, Every};
 pub use devices::adaptive::Blocks;
-pub use devices::choice::{DeviceChoice, OpenOptions, devices, open};
+pub use devices::choice::{DeviceChoice, DeviceSelection, OpenOptions, devices, open, open_all};
 pub use devices::cpu::{CpuDevice, CpuOptions};
 pub use devices::device::{Answer, Device, DeviceError, DeviceInfo, Question, Session};
+pub use devices::group::DeviceGroup;
 pub use devices::machine::{TooLarge, check_memory, memory_bytes, peak_memory_bytes, total_memory_bytes};
 pub use devices::vulkan::VulkanDevice;
 pub use pictures::aov::{Aov, Channel, Features, Values};

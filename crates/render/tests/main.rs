@@ -3,6 +3,7 @@
 mod checkpoints;
 mod faults;
 mod film;
+mod group;
 mod images;
 mod portions;
 mod rendering;

@@ -1,4 +1,4 @@
-//! Devices of this machine, and the choice of one.
+//! Devices of this machine, and the choice among them.
 
 use std::fmt;
 use std::str::FromStr;
@@ -8,6 +8,7 @@ use raggio_vulkan::{DeviceKind, Instance, PhysicalDevice, VulkanError};
 
 use crate::devices::cpu::{CpuDevice, CpuOptions};
 use crate::devices::device::{Device, DeviceError, DeviceInfo};
+use crate::devices::group::DeviceGroup;
 use crate::devices::vulkan::VulkanDevice;
 
 /// A device as users ask for it: `auto`, `cpu`, `vulkan` or `vulkan:N`.
@@ -45,6 +46,63 @@ impl fmt::Display for DeviceChoice {
             Self::Cpu => f.write_str("cpu"),
             Self::Vulkan(None) => f.write_str("vulkan"),
             Self::Vulkan(Some(n)) => write!(f, "vulkan:{n}"),
+        }
+    }
+}
+
+/// Devices as users ask for them: one, several separated by commas, which share each picture, or `all`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum DeviceSelection {
+    /// All GPUs, and the CPU.
+    All,
+    /// These devices, each once; at least one.
+    Listed(Vec<DeviceChoice>),
+}
+
+impl DeviceSelection {
+    /// The device that is asked for, if it is only one.
+    pub fn single(&self) -> Option<DeviceChoice> {
+        match self {
+            Self::Listed(choices) if choices.len() == 1 => Some(choices[0]),
+            _ => None,
+        }
+    }
+}
+
+impl From<DeviceChoice> for DeviceSelection {
+    fn from(choice: DeviceChoice) -> Self {
+        Self::Listed(vec![choice])
+    }
+}
+
+impl FromStr for DeviceSelection {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "all" {
+            return Ok(Self::All);
+        }
+        let choices = text.split(',').map(str::parse).collect::<Result<Vec<DeviceChoice>, String>>();
+        let choices = choices.map_err(|right| format!("{right}; several separated by commas, or all"))?;
+        for (i, choice) in choices.iter().enumerate() {
+            if choices[..i].contains(choice) {
+                return Err(format!("{choice} is there twice"));
+            }
+            if *choice == DeviceChoice::Auto && choices.len() > 1 {
+                return Err("auto is one device: name each of several, or give all".into());
+            }
+        }
+        Ok(Self::Listed(choices))
+    }
+}
+
+impl fmt::Display for DeviceSelection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::All => f.write_str("all"),
+            Self::Listed(choices) => {
+                f.write_str(&choices.iter().map(ToString::to_string).collect::<Vec<_>>().join(","))
+            }
         }
     }
 }
@@ -105,19 +163,61 @@ pub fn open(choice: DeviceChoice, options: OpenOptions, warn: impl Fn(&str)) -> 
     }
 }
 
-/// The first usable GPU, by kind; software devices are left to those who ask for them. No Vulkan is no error here, but
-/// validation that was asked for and cannot be had is.
-fn open_gpu(options: &OpenOptions, warn: impl Fn(&str)) -> Result<Option<VulkanDevice>, DeviceError> {
-    let physical = match options.physical_devices() {
+/// Opens the devices that `selection` asks for: as one that shares pictures among them if they are several. `warn` hears why
+/// `auto` and `all` pass over a GPU.
+///
+/// # Errors
+/// The errors of [`open`]; also where two words name one device.
+pub fn open_all(
+    selection: &DeviceSelection,
+    options: &OpenOptions,
+    warn: impl Fn(&str),
+) -> Result<Box<dyn Device>, DeviceError> {
+    let mut devices: Vec<Box<dyn Device>> = vec![];
+    match selection {
+        DeviceSelection::All => {
+            for gpu in gpus(options)? {
+                match VulkanDevice::new(&gpu) {
+                    Ok(device) => devices.push(Box::new(device)),
+                    Err(error) => warn(&format!("{} is not used: {error}", gpu.name)),
+                }
+            }
+            devices.push(Box::new(CpuDevice::new(options.cpu)?));
+        }
+        DeviceSelection::Listed(choices) => {
+            for choice in choices {
+                let device = open(*choice, options.clone(), &warn)?;
+                if devices.iter().any(|other| other.name() == device.name()) {
+                    return Err(DeviceError::NotFound(format!(
+                        "{choice} is {}, which is named already",
+                        device.name()
+                    )));
+                }
+                devices.push(device);
+            }
+        }
+    }
+    Ok(if devices.len() == 1 { devices.remove(0) } else { Box::new(DeviceGroup::new(devices)) })
+}
+
+/// GPUs by kind, the fastest kind first; software devices are left to those who ask for them. No Vulkan is no error here,
+/// but validation that was asked for and cannot be had is.
+fn gpus(options: &OpenOptions) -> Result<Vec<PhysicalDevice>, DeviceError> {
+    let mut physical = match options.physical_devices() {
         Err(error @ VulkanError::NoValidationLayers) => return Err(error.into()),
         other => other.unwrap_or_default(),
     };
-    for kind in [DeviceKind::Discrete, DeviceKind::Integrated] {
-        for gpu in physical.iter().filter(|p| p.kind == kind) {
-            match VulkanDevice::new(gpu) {
-                Ok(device) => return Ok(Some(device)),
-                Err(error) => warn(&format!("{} is not used: {error}", gpu.name)),
-            }
+    physical.retain(|gpu| matches!(gpu.kind, DeviceKind::Discrete | DeviceKind::Integrated));
+    physical.sort_by_key(|gpu| gpu.kind != DeviceKind::Discrete);
+    Ok(physical)
+}
+
+/// The first GPU that can be used.
+fn open_gpu(options: &OpenOptions, warn: impl Fn(&str)) -> Result<Option<VulkanDevice>, DeviceError> {
+    for gpu in gpus(options)? {
+        match VulkanDevice::new(&gpu) {
+            Ok(device) => return Ok(Some(device)),
+            Err(error) => warn(&format!("{} is not used: {error}", gpu.name)),
         }
     }
     Ok(None)
