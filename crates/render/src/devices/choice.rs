@@ -248,3 +248,32 @@ fn open_vulkan(number: Option<usize>, options: &OpenOptions) -> Result<VulkanDev
     })?;
     VulkanDevice::new(chosen)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn selections_are_words_and_lists_of_words() {
+        let selection = |text: &str| text.parse::<DeviceSelection>();
+        for text in ["all", "auto", "cpu", "vulkan", "vulkan:3", "vulkan:0,vulkan:1,cpu"] {
+            assert_eq!(selection(text).expect("it is right").to_string(), text);
+        }
+        assert_eq!(selection("vulkan:3").expect("it is right").single(), Some(DeviceChoice::Vulkan(Some(3))));
+        assert_eq!(selection("cpu,vulkan").expect("it is right").single(), None);
+        for (text, error) in [
+            (
+                "gpu",
+                "give auto, cpu, vulkan or vulkan:N, with N as in `raggio devices`; several separated by commas, or all",
+            ),
+            (
+                "cpu,",
+                "give auto, cpu, vulkan or vulkan:N, with N as in `raggio devices`; several separated by commas, or all",
+            ),
+            ("cpu,vulkan:0,cpu", "cpu is there twice"),
+            ("cpu,auto", "auto is one device: name each of several, or give all"),
+        ] {
+            assert_eq!(selection(text), Err(error.to_owned()));
+        }
+    }
+}
