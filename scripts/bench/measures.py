@@ -141,7 +141,7 @@ def efficiencies(options, available):
 
 
 def traversal(options, available):
-    """Rays a second of the walk alone: bounces in the mesh, one thread, one ray after another."""
+    """Rays a second of the walk alone: bounces in the mesh, one thread."""
     if "embree" not in available:
         return [], {}
     file = scene_file("rock")

@@ -417,7 +417,7 @@ pub fn variant_name(entry: &str) -> String {
 /// Writes `cpu_table.rs`: Rust declarations of the compiled entry points and the choice among them.
 pub fn write_table(levels: &[Level], entry_points: &[String], out: &Path) -> Result<(), String> {
     let mut text = String::from("unsafe extern \"C\" {\n");
-    let mut choices = String::new();
+    let (mut choices, mut walks) = (String::new(), String::new());
     for Level { name, suffix, lanes, .. } in levels {
         let mut choice = |entry: &str, simple: &str, function: &str| {
             let _ = writeln!(text, "    fn raggio_{function}_{suffix}(groups: *const [u32; 3], globals: *const u64);");
@@ -433,6 +433,11 @@ pub fn write_table(levels: &[Level], entry_points: &[String], out: &Path) -> Res
         for entry in entry_points {
             choice(entry, "_", entry);
         }
+        let _ = writeln!(
+            text,
+            "    fn raggio_walk_{suffix}(globals: *const u64, rays: *const TracedRay, hits: *mut TracedHit, count: u32);"
+        );
+        let _ = writeln!(walks, "        InstructionSet::{name} => Some(raggio_walk_{suffix}),");
     }
     text +=
         "}\n\n/// Levels that this build contains, the most capable first.\npub const BUILT: &[InstructionSet] = &[";
@@ -451,6 +456,9 @@ pub fn write_table(levels: &[Level], entry_points: &[String], out: &Path) -> Res
     text += "\n/// Function for `entry`, of those that know of principled materials and lights without size or, if `simple`, need not.\n\
              fn entry_point(set: InstructionSet, entry: EntryPoint, simple: bool) -> Option<Kernel> {\n    match (set, entry, simple) {\n";
     text += &choices;
+    text += "        #[allow(unreachable_patterns)]\n        _ => None,\n    }\n}\n";
+    text += "\n/// Function that follows given rays.\nfn walk_function(set: InstructionSet) -> Option<WalkFunction> {\n    match set {\n";
+    text += &walks;
     text += "        #[allow(unreachable_patterns)]\n        _ => None,\n    }\n}\n";
     write(&out.join("cpu_table.rs"), &text)
 }

@@ -73,6 +73,68 @@ impl InstructionSet {
 }
 
 type Kernel = unsafe extern "C" fn(*const [u32; 3], *const u64);
+type WalkFunction = unsafe extern "C" fn(*const u64, *const TracedRay, *mut TracedHit, u32);
+
+/// A ray as hand-written code passes it: `TracedRay` of `cpp/rays.h`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TracedRay {
+    /// Where it sets out.
+    pub origin: [f32; 3],
+    /// Unit vector along it.
+    pub direction: [f32; 3],
+    /// Decision about surfaces that let part of the light pass: `kernels/coverage.slang`.
+    pub key: u32,
+    /// Whether any surface will do.
+    pub any: bool,
+}
+
+/// What a ray has found: `TracedHit` of `cpp/rays.h`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TracedHit {
+    /// Distance along the ray; before, that within which it looks.
+    pub distance: f32,
+    /// Place of the shape in the scene's order, or [`NOTHING`](Self::NOTHING)'s.
+    pub shape: u32,
+    /// Place of the triangle in the scene's list.
+    pub triangle: u32,
+    /// Weights of the triangle's second and third corner.
+    pub barycentrics: [f32; 2],
+}
+
+impl TracedHit {
+    /// Nothing so far, however far the ray goes.
+    pub const NOTHING: Self =
+        Self { distance: f32::INFINITY, shape: u32::MAX, triangle: u32::MAX, barycentrics: [0.0; 2] };
+}
+
+/// Follows `rays` through the bounded shapes of `scene`, as the path tracer does, and puts what they find into `hits`: for
+/// those who measure this alone. Nobody is asked here who takes samples.
+///
+/// # Panics
+/// A panic if there are not as many hits as rays, or this build or this processor lacks the level `set`.
+pub fn follow(set: InstructionSet, scene: &CpuScene, rays: &[TracedRay], hits: &mut [TracedHit]) {
+    assert_eq!(rays.len(), hits.len());
+    if scene.buffers.nodes.is_empty() {
+        return;
+    }
+    let walk = walk_function(set).filter(|_| InstructionSet::available().contains(&set));
+    let walk = walk.unwrap_or_else(|| panic!("there is no {} code for this processor here", set.name()));
+    let (work, block) = (Work::default(), scene.block());
+    let traversal = scene.wide.as_ref().map(|wide| wide.words(&scene.buffers, scene.walk == Walk::InTurn));
+    let mut globals = [0u64; TRAVERSAL_WORD + 1];
+    globals[TRAVERSAL_WORD] = traversal.as_ref().map_or(0, |words| words.as_ptr() as u64);
+    globals[SCENE_WORD] = block.as_ptr() as u64;
+    globals[WORK_WORD] = std::ptr::from_ref(&work) as u64;
+    for (rays, hits) in rays.chunks(MOST_FOLLOWED).zip(hits.chunks_mut(MOST_FOLLOWED)) {
+        // SAFETY: rays and hits are as many as are told, and laid out as in `cpp/rays.h`; all else as in `dispatch`.
+        unsafe { walk(globals.as_ptr(), rays.as_ptr(), hits.as_mut_ptr(), rays.len() as u32) };
+    }
+}
+
+/// Most rays that one call follows.
+const MOST_FOLLOWED: usize = 1 << 20;
 
 include!(concat!(env!("OUT_DIR"), "/cpu_table.rs"));
 

@@ -1,4 +1,4 @@
-//! Speed of tracing given rays through a scene, one by one on one thread of the CPU.
+//! Speed of following given rays through a scene's hierarchy, on one thread of the CPU.
 //!
 //! `cargo run --release -p raggio-render --example trace -- SCENE RAYS DISTANCES`: RAYS holds origin and direction of each
 //! ray, six floats of 32 bits; the distances of what they meet go to DISTANCES, as floats too, -1 where that is nothing.
@@ -8,7 +8,8 @@ use std::io::BufRead;
 use std::path::Path;
 use std::time::Instant;
 
-use raggio_render::{CpuDevice, CpuOptions, Device, DeviceScene, Probe, Question};
+use raggio_kernels::cpu::{CpuScene, InstructionSet, TracedHit, TracedRay, follow};
+use raggio_render::DeviceScene;
 use raggio_scene::{Integrator, Scene};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -23,21 +24,24 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if !rest.is_empty() {
         return Err("RAYS does not hold six numbers for each ray".into());
     }
-    let question = |&[x, y, z, u, v, w]: &[f32; 6]| [[x, y, z, 0.0], [u, v, w, 0.0], [0.0; 4]];
-    let questions: Vec<Question> = numbers.iter().map(question).collect();
+    let ray =
+        |&[x, y, z, u, v, w]: &[f32; 6]| TracedRay { origin: [x, y, z], direction: [u, v, w], key: 0, any: false };
+    let rays: Vec<_> = numbers.iter().map(ray).collect();
+    let mut hits = vec![TracedHit::NOTHING; rays.len()];
 
-    let device = CpuDevice::new(CpuOptions { threads: 1, ..CpuOptions::default() })?;
-    let mut session = device.load(&DeviceScene::new(&scene)?)?;
-    let answers = session.ask(Probe::Trace, &questions)?;
-    let found: Vec<f32> = answers.iter().map(|answer| answer[0][0]).collect();
+    let set = InstructionSet::best().ok_or("this processor is too old for the kernels")?;
+    let scene = CpuScene::new(DeviceScene::new(&scene)?.buffers)?;
+    follow(set, &scene, &rays, &mut hits);
+    let found = |hit: &TracedHit| if hit.distance.is_finite() { hit.distance } else { -1.0 };
+    let found: Vec<f32> = hits.iter().map(found).collect();
     std::fs::write(distances, bytemuck::cast_slice(&found))?;
-    println!("{}", device.name());
+    println!("{} kernels", set.name());
     for line in std::io::stdin().lock().lines() {
         line?;
         let start = Instant::now();
-        let answers = session.ask(Probe::Trace, &questions)?;
+        hits.fill(TracedHit::NOTHING);
+        follow(set, &scene, &rays, &mut hits);
         println!("{}", start.elapsed().as_secs_f64());
-        assert_eq!(answers.len(), questions.len());
     }
     Ok(())
 }

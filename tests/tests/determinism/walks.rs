@@ -4,7 +4,8 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
-use raggio_render::{CpuDevice, CpuOptions, Feature, FilmPixel, InstructionSet, Walk};
+use raggio_kernels::cpu::{CpuScene, TracedHit, TracedRay, follow};
+use raggio_render::{CpuDevice, CpuOptions, DeviceScene, Feature, FilmPixel, InstructionSet, Walk};
 use raggio_scene::{Geometry, Integrator, Scene, Shape};
 use raggio_tests::render::load;
 use raggio_tests::{Pcg, parse};
@@ -110,4 +111,38 @@ fn all_walks_and_levels_make_one_picture() {
             assert!(feature != Feature::Radiance || seen > 100, "{name}: few paths meet anything");
         }
     }
+}
+
+/// What single rays find is the same on all ways, whether they want the nearest surface or any.
+#[test]
+fn rays_find_the_same() {
+    let buffers = DeviceScene::new(&crowd()).expect("the scene fits").buffers;
+    let random = &mut Pcg::new(5);
+    let rays: Vec<_> = (0..5000)
+        .map(|i| TracedRay {
+            origin: random.in_cube(12.0).as_vec3().to_array(),
+            direction: random.direction().as_vec3().to_array(),
+            key: random.below(1 << 31) as u32,
+            any: i % 3 == 0,
+        })
+        .collect();
+    let mut expected: Option<Vec<TracedHit>> = None;
+    for walk in [Walk::Portable, Walk::Wide, Walk::InTurn] {
+        let scene = CpuScene::with_walk(buffers.clone(), walk).expect("the scene is whole");
+        for set in InstructionSet::available() {
+            let mut hits = vec![TracedHit::NOTHING; rays.len()];
+            follow(set, &scene, &rays, &mut hits);
+            // Of any surfaces each way may find another.
+            for (hit, ray) in hits.iter_mut().zip(&rays).filter(|(_, ray)| ray.any) {
+                let found = if hit.shape == u32::MAX { 0.0 } else { 1.0 };
+                assert!(hit.distance > 0.0, "{ray:?}: {hit:?}");
+                *hit = TracedHit { distance: found, ..TracedHit::NOTHING };
+            }
+            let expected = expected.get_or_insert_with(|| hits.clone());
+            let other = hits.iter().zip(&*expected).position(|(found, expected)| found != expected);
+            assert_eq!(other.map(|i| (rays[i], hits[i], expected[i])), None, "{walk:?} {set:?}");
+        }
+    }
+    let found = expected.expect("some level is there").iter().filter(|hit| hit.shape != u32::MAX).count();
+    assert!(found > 1000 && found < 4999, "{found} of the rays find something");
 }
