@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._progress import Report
-from ._types import CameraNumbers, Developed
+from ._types import Developed
 
 __all__ = [
     "AOVS",
@@ -76,7 +76,7 @@ class Session:
         scene: SceneText,
         *,
         name: str,
-        camera: CameraNumbers | None,
+        camera: str | None,
         size: tuple[int, int] | None,
         samples: int | None,
         seed: int | None,
@@ -95,7 +95,7 @@ class Session:
         self,
         scene: SceneText,
         *,
-        camera: CameraNumbers | None,
+        camera: str | None,
         size: tuple[int, int] | None,
         seed: int | None,
         max_depth: int | None,

@@ -9,13 +9,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
-from . import _raggio
+from . import _raggio, _toml
 from ._camera import Camera, checked_size
 from ._errors import Interrupted, SceneWarning
 from ._image import Image
 from ._progress import ProgressLike, Report, reporter
 from ._scene import Scene
-from ._types import CameraNumbers
 
 #: Names of layers: one, several, or "all".
 AovsLike = str | Iterable[str]
@@ -246,10 +245,10 @@ def _positive(name: str, number: float | None) -> None:
         raise ValueError(f"{name} is {number}: give a number greater than 0")
 
 
-def _numbers(scene: Scene, camera: Camera | None) -> CameraNumbers | None:
+def _table(scene: Scene, camera: Camera | None) -> str | None:
     if camera is None and scene.camera is None:
         raise ValueError("the scene has no camera: give one, such as raggio.Camera.look_at(position, target)")
-    return None if camera is None else camera._numbers()
+    return None if camera is None else _toml.value(camera._table())
 
 
 def _session(
@@ -279,7 +278,7 @@ def _session(
     session = _raggio.Session(
         scene._text,
         name=scene._name,
-        camera=_numbers(scene, camera),
+        camera=_table(scene, camera),
         size=options.size_for(camera),
         samples=samples,
         seed=options.seed,
@@ -306,7 +305,7 @@ def _find_denoiser() -> None:
 def _look(session: _raggio.Session, scene: Scene, camera: Camera | None, options: _Options) -> None:
     session.look(
         scene._text,
-        camera=_numbers(scene, camera),
+        camera=_table(scene, camera),
         size=options.size_for(camera),
         seed=options.seed,
         max_depth=options.max_depth,

@@ -12,10 +12,6 @@ if TYPE_CHECKING:
 
 Vector = tuple[float, float, float]
 
-#: Position, point looked at, direction upwards, vertical field of view in degrees, height of parallel views, radius
-#: of the lens, distance in focus.
-CameraNumbers = tuple[Vector, Vector, Vector, float, "float | None", float, float]
-
 
 class Developed(TypedDict):
     """A picture that was just rendered."""
