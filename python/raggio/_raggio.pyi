@@ -81,6 +81,7 @@ class Session:
         samples: int | None,
         seed: int | None,
         max_depth: int | None,
+        alpha: bool | None,
         noise: float | None,
         time_limit: float | None,
         device: str,
@@ -99,6 +100,7 @@ class Session:
         size: tuple[int, int] | None,
         seed: int | None,
         max_depth: int | None,
+        alpha: bool | None,
     ) -> None: ...
     def set_target(self, samples: int) -> None: ...
     def sample(self, report: Report | None = None) -> BaseException | None: ...

@@ -16,7 +16,7 @@ Vector = tuple[float, float, float]
 class Developed(TypedDict):
     """A picture that was just rendered."""
 
-    #: float32 (height, width, 3).
+    #: float32 (height, width, 3), or with alpha (height, width, 4).
     pixels: npt.NDArray[np.float32]
     #: Channels of layers by their names, such as "normal.X", (height, width) each.
     channels: dict[str, npt.NDArray[np.float32] | npt.NDArray[np.int32]]

@@ -40,6 +40,7 @@ struct View {
     size: Option<(u32, u32)>,
     seed: Option<u32>,
     max_depth: Option<u32>,
+    alpha: Option<bool>,
 }
 
 impl View {
@@ -52,6 +53,7 @@ impl View {
         }
         scene.render.seed = self.seed.unwrap_or(scene.render.seed);
         scene.render.max_depth = self.max_depth.unwrap_or(scene.render.max_depth);
+        scene.render.alpha = self.alpha.unwrap_or(scene.render.alpha);
     }
 }
 
@@ -60,7 +62,8 @@ impl Session {
     /// Brings a scene to a device.
     #[new]
     #[pyo3(signature = (
-        scene, *, name, camera, size, samples, seed, max_depth, noise, time_limit, device, threads, aovs, denoise
+        scene, *, name, camera, size, samples, seed, max_depth, alpha, noise, time_limit, device, threads, aovs,
+        denoise
     ))]
     #[allow(clippy::too_many_arguments, reason = "all but one are named")]
     fn new(
@@ -72,6 +75,7 @@ impl Session {
         samples: Option<u32>,
         seed: Option<u32>,
         max_depth: Option<u32>,
+        alpha: Option<bool>,
         noise: Option<f32>,
         time_limit: Option<f32>,
         device: String,
@@ -82,7 +86,8 @@ impl Session {
         let layers: Vec<Aov> = aovs.iter().map(|name| chosen(name)).collect::<PyResult<_>>()?;
         let stop = Stop { samples: samples.map(|samples| 0..samples), noise, time_limit };
         let request = RenderRequest { name, layers, denoise, stop, ..RenderRequest::default() };
-        let view = View { camera: camera.as_deref().map(read_camera).transpose()?, size, seed, max_depth };
+        let camera = camera.as_deref().map(read_camera).transpose()?;
+        let view = View { camera, size, seed, max_depth, alpha };
         guarded(py, || {
             // What cannot be had is told before any time is spent.
             if denoise {
@@ -116,7 +121,8 @@ impl Session {
     }
 
     /// Begins anew with another view of `scene`, and brings what has changed of it to the device.
-    #[pyo3(signature = (scene, *, camera, size, seed, max_depth))]
+    #[pyo3(signature = (scene, *, camera, size, seed, max_depth, alpha))]
+    #[allow(clippy::too_many_arguments, reason = "all but one are named")]
     fn look(
         &self,
         py: Python<'_>,
@@ -125,8 +131,10 @@ impl Session {
         size: Option<(u32, u32)>,
         seed: Option<u32>,
         max_depth: Option<u32>,
+        alpha: Option<bool>,
     ) -> PyResult<()> {
-        let view = View { camera: camera.as_deref().map(read_camera).transpose()?, size, seed, max_depth };
+        let camera = camera.as_deref().map(read_camera).transpose()?;
+        let view = View { camera, size, seed, max_depth, alpha };
         guarded(py, || {
             on_threads(|| {
                 let mut inner = self.lock()?;

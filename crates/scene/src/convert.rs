@@ -116,6 +116,7 @@ fn render(file: &RenderFile) -> RenderSettings {
         sampler: file.sampler.0,
         filter: file.filter.0,
         clamp: file.clamp.map(|limit| f64::from(limit) as f32),
+        alpha: file.alpha,
         surface_offset: file.surface_offset,
         ..RenderSettings::default()
     }

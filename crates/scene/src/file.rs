@@ -75,6 +75,8 @@ pub(crate) struct RenderFile {
     /// The largest channel of a sample that counts: what exceeds it is taken off, which loses light and fireflies. Absent: nothing is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clamp: Option<Positive>,
+    /// Whether the picture has an alpha channel: the background is left out where the camera sees it directly, but still lights the scene, and is seen in mirrors and through glass.
+    pub alpha: bool,
     /// Whether rays start slightly off the surface they leave. Without it surfaces shadow themselves in rings; only for teaching.
     pub surface_offset: bool,
 }
@@ -420,7 +422,7 @@ impl JsonSchema for Shapes {
 
 impl Default for RenderFile {
     fn default() -> Self {
-        let RenderSettings { width, height, samples, max_depth, seed, sampler, filter, surface_offset, .. } =
+        let RenderSettings { width, height, samples, max_depth, seed, sampler, filter, alpha, surface_offset, .. } =
             RenderSettings::default();
         Self {
             width: Whole(width.into()),
@@ -431,6 +433,7 @@ impl Default for RenderFile {
             sampler: Named(sampler),
             filter: Named(filter),
             clamp: None,
+            alpha,
             surface_offset,
         }
     }

@@ -19,6 +19,7 @@ const RENDER: Foreign = &[
     (&["spp", "samplesperpixel", "samplecount"], "samples"),
     (&["depth", "bounces", "maxbounces", "maxpathlength"], "max_depth"),
     (&["resolution", "size", "dimensions"], "the size is `width` and `height`"),
+    (&["transparent", "transparentbackground", "filmtransparent", "rgba", "coverage"], "alpha"),
     (&["reconstructionfilter", "rfilter", "pixelfilter"], "filter"),
     (
         &[

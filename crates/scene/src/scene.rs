@@ -57,6 +57,8 @@ pub struct RenderSettings {
     pub filter: Filter,
     /// Largest channel of a sample that counts; the excess is taken off. `None` leaves samples as they are.
     pub clamp: Option<f32>,
+    /// Whether what the camera sees behind everything is left out of the picture, which gets a coverage in its place.
+    pub alpha: bool,
     /// Whether rays start slightly off the surface they leave; without it a surface shadows itself.
     pub surface_offset: bool,
     /// Algorithm of light transport; the program's choice, not the file's.
@@ -74,6 +76,7 @@ impl Default for RenderSettings {
             sampler: Sampler::Sobol,
             filter: Filter::Box,
             clamp: None,
+            alpha: false,
             surface_offset: true,
             integrator: Integrator::Path,
         }

@@ -130,7 +130,7 @@ fn defaults() {
 fn every_setting() {
     let scene = parse(
         "[render]\nwidth = 65536\nheight = 1\nsamples = 2147483647\nmax_depth = 65535\n\
-         seed = 0xffff_ffff\nsampler = \"pcg\"\nfilter = \"point\"\nclamp = 12\nsurface_offset = false\n",
+         seed = 0xffff_ffff\nsampler = \"pcg\"\nfilter = \"point\"\nclamp = 12\nalpha = true\nsurface_offset = false\n",
     );
     let expected = RenderSettings {
         width: 65536,
@@ -141,6 +141,7 @@ fn every_setting() {
         sampler: Sampler::Pcg,
         filter: Filter::Point,
         clamp: Some(12.0),
+        alpha: true,
         surface_offset: false,
         integrator: Integrator::Path,
     };

@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use raggio_kernels::{
-    BvhNode, CameraMedium, Light as DeviceLight, LightKind as DeviceLightKind,
-    MAX_NESTED_MEDIA, NO_TEXTURE, PixelFilter, SceneBuffers, SceneCounts, Sequence, Sky, Work,
+    BvhNode, CameraMedium, Light as DeviceLight, LightKind as DeviceLightKind, MAX_NESTED_MEDIA, NO_TEXTURE,
+    PixelFilter, SceneBuffers, SceneCounts, Sequence, Sky, Work,
 };
 use raggio_scene::{
     Environment, Filter, Geometry, Light, LightKind, Mesh, RenderSettings, Sampler, Scene, Texture, Wrap,
@@ -195,6 +195,7 @@ fn work(render: &RenderSettings) -> Work {
             Filter::BlackmanHarris | Filter::Mitchell => PixelFilter::Tabulated,
         } as u32,
         clamp: render.clamp.unwrap_or(f32::INFINITY),
+        transparent: u32::from(render.alpha),
         surface_offset: u32::from(render.surface_offset),
         ..Work::default()
     }

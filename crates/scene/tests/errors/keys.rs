@@ -48,7 +48,7 @@ vertical_fov_degrees = 40
 [render]
 banana = 3
 ",
-        "scene.toml:7:1: unknown key `banana` in [render]: choose from `width`, `height`, `samples`, `max_depth`, `seed`, `sampler`, `filter`, `clamp` and 1 more",
+        "scene.toml:7:1: unknown key `banana` in [render]: choose from `width`, `height`, `samples`, `max_depth`, `seed`, `sampler`, `filter`, `clamp` and 2 more",
     ),
     (
         "unlike every key at the top",

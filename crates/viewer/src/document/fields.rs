@@ -57,7 +57,13 @@ pub(super) fn camera(old: &Camera, new: &Camera) -> Vec<Field> {
             _ => Absent,
         }),
         field("aperture_radius", old, new, Number(0.0), |it| Number(it.aperture_radius)),
-        field("focus_distance", old, new, focus, |it| if it.is_panoramic() { Absent } else { Number(it.focus_distance) }),
+        field(
+            "focus_distance",
+            old,
+            new,
+            focus,
+            |it| if it.is_panoramic() { Absent } else { Number(it.focus_distance) },
+        ),
     ]
 }
 
@@ -145,6 +151,7 @@ pub(super) fn render(old: &RenderSettings, new: &RenderSettings) -> Vec<Field> {
         field("sampler", old, new, Word(default.sampler.name()), |it| Word(it.sampler.name())),
         field("filter", old, new, Word(default.filter.name()), |it| Word(it.filter.name())),
         field("clamp", old, new, Datum::Absent, |it| it.clamp.map_or(Datum::Absent, Datum::Number)),
+        field("alpha", old, new, Flag(default.alpha), |it| Flag(it.alpha)),
         field("surface_offset", old, new, Flag(true), |it| Flag(it.surface_offset)),
     ]
 }
