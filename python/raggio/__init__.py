@@ -14,7 +14,7 @@ from __future__ import annotations
 import os as _os
 
 from . import _raggio, datasets
-from ._camera import Camera
+from ._camera import Camera, Intrinsics
 from ._errors import (
     DenoiseError,
     DeviceError,
@@ -50,6 +50,7 @@ __all__ = [
     "Image",
     "InternalError",
     "Interrupted",
+    "Intrinsics",
     "Material",
     "Mesh",
     "Object",

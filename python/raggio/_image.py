@@ -25,9 +25,11 @@ def _stacked(parts: list[Layer]) -> Layer:
 class Image:
     """A picture of linear radiance, with the layers (AOVs) that were asked for.
 
-    ``np.asarray(image)`` is float32 (height, width, 3), linear Rec. 709, row 0 on top, without a copy;
-    ``numpy.from_dlpack`` and other consumers of DLPack share the memory too. ``image["depth"]`` is a layer: float32
-    (height, width) or (height, width, 3), or int32 (height, width) for numbers, where 0 is nothing.
+    ``np.asarray(image)`` is float32 (height, width, 3), linear Rec. 709, row 0 on top, without a copy. Rendered with
+    ``alpha=True`` it is (height, width, 4) with premultiplied alpha: over a background of linear radiance the picture
+    is ``pixels[..., :3] + (1 - pixels[..., 3:]) * background``. ``numpy.from_dlpack`` and other consumers of DLPack
+    share the memory too. ``image["depth"]`` is a layer: float32 (height, width) or (height, width, 3), or int32
+    (height, width) for numbers, where 0 is nothing.
     """
 
     __slots__ = ("_channels", "_layers", "_metadata", "_pixels", "_facts")
@@ -56,8 +58,8 @@ class Image:
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """(height, width, 3)."""
-        return (self.height, self.width, 3)
+        """(height, width, 3), or with alpha (height, width, 4)."""
+        return (self.height, self.width, int(self._pixels.shape[2]))
 
     @property
     def dtype(self) -> np.dtype[np.float32]:
@@ -66,8 +68,16 @@ class Image:
 
     @property
     def pixels(self) -> Floats:
-        """The picture itself: float32 (height, width, 3), linear Rec. 709, row 0 on top."""
+        """The picture itself: float32 (height, width, 3), linear Rec. 709, row 0 on top.
+
+        With alpha it is (height, width, 4), and premultiplied.
+        """
         return self._pixels
+
+    @property
+    def alpha(self) -> Floats | None:
+        """Part of each pixel that is covered, 0 to 1: float32 (height, width); ``None`` with the background."""
+        return self._pixels[..., 3] if self._pixels.shape[2] == 4 else None
 
     @property
     def layers(self) -> Mapping[str, Layer]:
@@ -135,7 +145,8 @@ class Image:
     def tonemap(self, *, tone_mapper: ToneMapper = "neutral", exposure: float = 0.0) -> npt.NDArray[np.uint8]:
         """The picture as a display shows it: sRGB bytes (height, width, 3).
 
-        ``exposure`` is in stops, each of which doubles the brightness.
+        With alpha it is (height, width, 4), not premultiplied, and no curve bends the alpha. ``exposure`` is in stops,
+        each of which doubles the brightness.
         """
         return _raggio.tonemap(self._contiguous(), exposure=exposure, tone_mapper=tone_mapper)
 
@@ -150,7 +161,8 @@ class Image:
         """Writes the picture, whole or not at all.
 
         ``.exr`` holds linear radiance in 32-bit floats, the layers, and how the picture was made; ``.png`` what a
-        display shows. Raises :class:`OutputError` where the file cannot be written or its ending is another.
+        display shows. With alpha, colours of ``.exr`` are premultiplied and those of ``.png`` are not, as the formats
+        demand. Raises :class:`OutputError` where the file cannot be written or its ending is another.
         """
         floats: list[tuple[str, Floats]] = []
         numbers: list[tuple[str, npt.NDArray[np.int32]]] = []

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._progress import Report
-from ._types import CameraNumbers, Developed
+from ._types import Developed
 
 __all__ = [
     "AOVS",
@@ -76,11 +76,12 @@ class Session:
         scene: SceneText,
         *,
         name: str,
-        camera: CameraNumbers | None,
+        camera: str | None,
         size: tuple[int, int] | None,
         samples: int | None,
         seed: int | None,
         max_depth: int | None,
+        alpha: bool | None,
         noise: float | None,
         time_limit: float | None,
         device: str,
@@ -95,10 +96,11 @@ class Session:
         self,
         scene: SceneText,
         *,
-        camera: CameraNumbers | None,
+        camera: str | None,
         size: tuple[int, int] | None,
         seed: int | None,
         max_depth: int | None,
+        alpha: bool | None,
     ) -> None: ...
     def set_target(self, samples: int) -> None: ...
     def sample(self, report: Report | None = None) -> BaseException | None: ...

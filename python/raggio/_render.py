@@ -6,16 +6,15 @@ import importlib.util
 import os
 import warnings
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
-from . import _raggio
+from . import _raggio, _toml
 from ._camera import Camera, checked_size
 from ._errors import Interrupted, SceneWarning
 from ._image import Image
 from ._progress import ProgressLike, Report, reporter
 from ._scene import Scene
-from ._types import CameraNumbers
 
 #: Names of layers: one, several, or "all".
 AovsLike = str | Iterable[str]
@@ -53,6 +52,7 @@ def render(
     samples: int | None = None,
     seed: int | None = None,
     max_depth: int | None = None,
+    alpha: bool | None = None,
     device: str = "auto",
     threads: int | None = None,
     aovs: AovsLike = (),
@@ -65,9 +65,10 @@ def render(
 
     ``camera`` and what is ``None`` are the scene's own. ``size`` is (width, height) in pixels. Sampling ends after
     ``samples`` a pixel, ``time_limit`` seconds, or where the relative error is below ``noise``, whichever comes first.
-    ``max_depth`` is the most rays along a path; 0 sets no limit. ``device`` is "auto" (a GPU if there is one), "cpu",
-    "vulkan" or "vulkan:N"; ``threads`` are those of the CPU. ``aovs`` are layers: :data:`AOVS` has their names, "all"
-    stands for all. ``denoise`` removes noise by Intel Open Image Denoise (``pip install pyoidn``).
+    ``max_depth`` is the most rays along a path; 0 sets no limit. ``alpha`` leaves out the background where it is seen
+    directly, and makes the image (height, width, 4) with premultiplied alpha. ``device`` is "auto" (a GPU if there is
+    one), "cpu", "vulkan" or "vulkan:N"; ``threads`` are those of the CPU. ``aovs`` are layers: :data:`AOVS` has their
+    names, "all" stands for all. ``denoise`` removes noise by Intel Open Image Denoise (``pip install pyoidn``).
 
     ``progress`` is a function of the part that is done, the samples and the seconds; ``True``: a bar by tqdm;
     ``None``: a bar on terminals and in notebooks, where tqdm is installed; ``False``: nothing.
@@ -78,7 +79,7 @@ def render(
 
     Raises :class:`SceneError`, :class:`DeviceError` or :class:`DenoiseError`.
     """
-    options = _Options(size, seed, max_depth)
+    options = _Options(size, seed, max_depth, alpha)
     session = _session(scene, camera, options, device, threads, aovs, denoise, samples, time_limit, noise)
     with reporter(progress) as report:
         return _run(session, report)
@@ -92,6 +93,7 @@ def render_many(
     samples: int | None = None,
     seed: int | None = None,
     max_depth: int | None = None,
+    alpha: bool | None = None,
     device: str = "auto",
     threads: int | None = None,
     aovs: AovsLike = (),
@@ -104,7 +106,7 @@ def render_many(
     The scene stays on the device; edits of it between two pictures are seen. Parameters are those of :func:`render`,
     the time limit being that of each picture.
     """
-    options = _Options(size, seed, max_depth)
+    options = _Options(size, seed, max_depth, alpha)
     session: _raggio.Session | None = None
     for place, camera in enumerate(cameras):
         if session is None:
@@ -131,6 +133,7 @@ class Renderer:
         size: tuple[int, int] | None = None,
         seed: int | None = None,
         max_depth: int | None = None,
+        alpha: bool | None = None,
         device: str = "auto",
         threads: int | None = None,
         aovs: AovsLike = (),
@@ -138,7 +141,7 @@ class Renderer:
     ) -> None:
         self._scene = scene
         self._camera = camera
-        self._options = _Options(size, seed, max_depth)
+        self._options = _Options(size, seed, max_depth, alpha)
         self._session = _session(scene, camera, self._options, device, threads, aovs, denoise, 1, None, None)
         self._seen = scene._text.revision
         self._samples = 0
@@ -167,7 +170,7 @@ class Renderer:
 
     @size.setter
     def size(self, size: tuple[int, int]) -> None:
-        self._options = _Options(size, self._options.seed, self._options.max_depth)
+        self._options = replace(self._options, size=size)
         self._begin()
 
     @property
@@ -225,6 +228,7 @@ class _Options:
     size: tuple[int, int] | None
     seed: int | None
     max_depth: int | None
+    alpha: bool | None
 
     def __post_init__(self) -> None:
         if self.size is not None:
@@ -246,10 +250,10 @@ def _positive(name: str, number: float | None) -> None:
         raise ValueError(f"{name} is {number}: give a number greater than 0")
 
 
-def _numbers(scene: Scene, camera: Camera | None) -> CameraNumbers | None:
+def _table(scene: Scene, camera: Camera | None) -> str | None:
     if camera is None and scene.camera is None:
         raise ValueError("the scene has no camera: give one, such as raggio.Camera.look_at(position, target)")
-    return None if camera is None else camera._numbers()
+    return None if camera is None else _toml.value(camera._table())
 
 
 def _session(
@@ -279,11 +283,12 @@ def _session(
     session = _raggio.Session(
         scene._text,
         name=scene._name,
-        camera=_numbers(scene, camera),
+        camera=_table(scene, camera),
         size=options.size_for(camera),
         samples=samples,
         seed=options.seed,
         max_depth=options.max_depth,
+        alpha=options.alpha,
         noise=noise,
         time_limit=time_limit,
         device=device,
@@ -306,10 +311,11 @@ def _find_denoiser() -> None:
 def _look(session: _raggio.Session, scene: Scene, camera: Camera | None, options: _Options) -> None:
     session.look(
         scene._text,
-        camera=_numbers(scene, camera),
+        camera=_table(scene, camera),
         size=options.size_for(camera),
         seed=options.seed,
         max_depth=options.max_depth,
+        alpha=options.alpha,
     )
 
 

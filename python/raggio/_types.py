@@ -12,15 +12,11 @@ if TYPE_CHECKING:
 
 Vector = tuple[float, float, float]
 
-#: Position, point looked at, direction upwards, vertical field of view in degrees, height of parallel views, radius
-#: of the lens, distance in focus.
-CameraNumbers = tuple[Vector, Vector, Vector, float, "float | None", float, float]
-
 
 class Developed(TypedDict):
     """A picture that was just rendered."""
 
-    #: float32 (height, width, 3).
+    #: float32 (height, width, 3), or with alpha (height, width, 4).
     pixels: npt.NDArray[np.float32]
     #: Channels of layers by their names, such as "normal.X", (height, width) each.
     channels: dict[str, npt.NDArray[np.float32] | npt.NDArray[np.int32]]

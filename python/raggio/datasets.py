@@ -100,6 +100,8 @@ def write_transforms(
     for file_path, camera in views:
         width, height = checked_size(camera.size or size or (0, 0))
         K = camera.intrinsics((width, height))
+        if K[0, 1] != 0:
+            raise ValueError(f"the camera of {file_path} has a skew of {K[0, 1]}, which transforms.json cannot say")
         frames.append(
             {
                 "file_path": file_path,

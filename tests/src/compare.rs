@@ -106,7 +106,7 @@ pub fn read_exr(path: &Path) -> Image {
     let image = read.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let layer = image.layer_data;
     let (width, pixels) = layer.channel_data.pixels;
-    Image { width: width as u32, height: (pixels.len() / width) as u32, pixels }
+    Image { width: width as u32, height: (pixels.len() / width) as u32, pixels, alpha: None }
 }
 
 /// Writes reference, result and difference as EXR and PNG for people to look at; returns the folder.

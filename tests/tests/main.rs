@@ -2,6 +2,7 @@
 //! longer than many a test, and pipelines are compiled once in it.
 
 mod adaptive;
+mod alpha;
 mod closed_forms;
 mod determinism;
 mod gltf;

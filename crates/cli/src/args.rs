@@ -321,6 +321,9 @@ pub struct Overrides {
     /// Weights with which the picture around a pixel's centre makes its value [default: box]
     #[arg(long, value_name = "NAME", value_parser = one_of::<Filter>())]
     pub filter: Option<Filter>,
+    /// Give pictures an alpha channel, and leave out the background where it is seen directly
+    #[arg(long)]
+    pub alpha: bool,
     #[command(flatten)]
     pub foreign: ForeignNames,
 }

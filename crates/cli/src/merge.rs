@@ -39,6 +39,12 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     for missing in film.missing() {
         tell(&format!("warning: {} are missing", missing.within(film.height())));
     }
+    if film.lacks_coverage() {
+        tell(
+            "warning: the background is left out and there is no alpha in its place: films that are not finished, as checkpoints, \
+             have none",
+        );
+    }
     let (fewest, most) = film.sample_range();
     let range = if fewest < most { format!("{fewest} to ") } else { String::new() };
     let films = counted(arguments.films.len(), "film");

@@ -199,7 +199,7 @@ impl Observer for Listener {
 }
 
 fn override_settings(scene: &mut Scene, overrides: &Overrides) {
-    let Overrides { samples, size, max_depth, seed, sampler, filter, clamp, foreign: _ } = *overrides;
+    let Overrides { samples, size, max_depth, seed, sampler, filter, clamp, alpha, foreign: _ } = *overrides;
     let render = &mut scene.render;
     render.samples = samples.map_or(render.samples, |range| range.end - range.start);
     render.max_depth = max_depth.unwrap_or(render.max_depth);
@@ -207,6 +207,7 @@ fn override_settings(scene: &mut Scene, overrides: &Overrides) {
     render.sampler = sampler.unwrap_or(render.sampler);
     render.filter = filter.unwrap_or(render.filter);
     render.clamp = clamp.or(render.clamp);
+    render.alpha |= alpha;
     if let Some(size) = size {
         (render.width, render.height) = (size.width, size.height);
     }

@@ -5,7 +5,9 @@ use std::process::Command;
 use std::time::Instant;
 
 use crate::common::{SCENE, assert_refused, folder_with, raggio, read_exr, text};
-use exr::prelude::{AttributeValue, FlatSamples, ReadChannels, ReadLayers, Text, read};
+use exr::prelude::{
+    AttributeValue, FlatSamples, ReadChannels, ReadLayers, Text, read, read_first_rgba_layer_from_file,
+};
 
 const CENTER: usize = 12 * 32 + 16;
 
@@ -75,6 +77,48 @@ fn layers_say_what_is_seen() {
     let project =
         |column: usize| [0.0, 1.0, 1.0, 1.0].iter().enumerate().map(|(i, p)| p * ndc[4 * i + column]).sum::<f32>();
     assert!((project(0) / project(3) - 0.5).abs() < 1e-6 && (project(1) / project(3) - 0.5).abs() < 1e-6, "{ndc:?}");
+}
+
+/// EXRs have premultiplied alpha, and PNGs straight colours: those of what is covered, tone-mapped, beside an alpha that is not.
+#[test]
+fn pictures_have_an_alpha_channel() {
+    let folder = folder_with(&SCENE.replace("samples = 4", "samples = 64\nalpha = true"));
+    let look = ["--tone-mapper", "none", "--exposure", "-1"];
+    render(folder.path(), &[&["-o", "a.exr", "-o", "a.png"], &look[..]].concat());
+    render(folder.path(), &[&["-o", "b.png", "--png-bits", "16"], &look[..]].concat());
+    let exr = read_first_rgba_layer_from_file(
+        folder.path().join("a.exr"),
+        |size, _| (size.width(), vec![[0f32; 4]; size.area()]),
+        |(width, pixels): &mut (usize, Vec<[f32; 4]>), place, (r, g, b, a): (f32, f32, f32, f32)| {
+            pixels[place.y() * *width + place.x()] = [r, g, b, a];
+        },
+    );
+    let (_, linear) = exr.expect("an EXR").layer_data.channel_data.pixels;
+    let [eight, sixteen] = ["a.png", "b.png"].map(|name| image::open(folder.path().join(name)).expect("a PNG"));
+    assert_eq!((eight.color(), sixteen.color()), (image::ColorType::Rgba8, image::ColorType::Rgba16));
+    let (eight, sixteen) = (eight.into_rgba8(), sixteen.into_rgba16());
+    let encoded = |x: f32| if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
+    let mut edges = 0;
+    for (i, &[r, g, b, alpha]) in linear.iter().enumerate() {
+        edges += usize::from(alpha > 0.0 && alpha < 1.0);
+        let colors =
+            [r, g, b].map(|channel| if alpha > 0.0 { encoded((0.5 * channel / alpha).clamp(0.0, 1.0)) } else { 0.0 });
+        let [x, y] = [i % 32, i / 32].map(|at| at as u32);
+        for (channel, expected) in [colors[0], colors[1], colors[2], alpha].into_iter().enumerate() {
+            let (low, high) = (eight.get_pixel(x, y)[channel], sixteen.get_pixel(x, y)[channel]);
+            assert!((255.0 * expected - f32::from(low)).abs() < 0.52, "({x}, {y}) {channel}: {low}, not {expected}");
+            assert!((65535.0 * expected - f32::from(high)).abs() < 3.0, "({x}, {y}) {channel}: {high}, not {expected}");
+        }
+    }
+    assert!(edges > 30, "{edges} pixels are at the edge");
+    assert_eq!((linear[0], linear[CENTER][3]), ([0.0; 4], 1.0));
+    // Without it there is none, and the option alone is as good as the key.
+    std::fs::write(folder.path().join("scene.toml"), SCENE).expect("the scene is written");
+    render(folder.path(), &["-o", "c.png"]);
+    assert_eq!(image::open(folder.path().join("c.png")).expect("a PNG").color(), image::ColorType::Rgb8);
+    render(folder.path(), &[&["-o", "d.exr", "--alpha", "--samples", "64"], &look[..]].concat());
+    let read = |name: &str| std::fs::read(folder.path().join(name)).expect("a file");
+    assert!(read("d.exr") == read("a.exr"));
 }
 
 #[test]

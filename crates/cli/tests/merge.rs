@@ -92,3 +92,23 @@ fn layers_and_denoising_are_not_of_films() {
     refused(&["--denoise"], "--denoise makes pictures, and a film is none: name a .png or .exr with -o");
     assert_eq!(files_in(folder.path()), ["scene.toml"]);
 }
+
+/// Films of pictures with an alpha channel have it too, in a format of their own; unfinished ones have none.
+#[test]
+fn films_keep_their_alpha() {
+    let folder = folder_with(SCENE);
+    let read = |name: &str| std::fs::read(folder.path().join(name)).expect("a file");
+    render(folder.path(), &["--alpha", "--samples", "12", "-o", "a.film", "-o", "a.exr", "-o", "a.png"]);
+    for (range, name) in [("0..5", "1.film"), ("5..12", "2.film")] {
+        render(folder.path(), &["--alpha", "--samples", range, "-o", name]);
+    }
+    run(folder.path(), &["merge", "2.film", "1.film", "-o", "b.film", "-o", "b.exr", "-o", "b.png"]);
+    for (whole, merged) in [("a.film", "b.film"), ("a.exr", "b.exr"), ("a.png", "b.png")] {
+        assert!(read(whole) == read(merged), "{merged} is not {whole}");
+    }
+    assert_eq!(read("a.film")[8..12], 3u32.to_le_bytes(), "the format");
+    render(folder.path(), &["-o", "plain.film"]);
+    assert_eq!(read("plain.film")[8..12], 2u32.to_le_bytes(), "the format without alpha stays");
+    let output = raggio(folder.path(), &["merge", "a.film", "plain.film", "-o", "c.exr"]);
+    assert_refused(&output, "cannot add plain.film: the films differ in alpha: `true` and `false`");
+}

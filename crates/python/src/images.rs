@@ -2,19 +2,26 @@
 
 use std::path::PathBuf;
 
-use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3};
+use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use raggio_render::{Channel, Display, Extras, Image, ImageFile, Pixels, Values, show_image};
+use raggio_render::{Channel, Display, Extras, Image, ImageFile, Values, show_bytes};
 
 use crate::errors::{guarded, output_error};
 use crate::meshes::pixels;
 use crate::picture::Metadata;
 use crate::values::chosen;
 
+/// Picture of an array, (height, width, 3) or, with alpha, (height, width, 4).
 fn image(array: &PyReadonlyArray3<'_, f32>) -> PyResult<Image> {
+    if array.shape()[2] == 4 {
+        let (pixels, [height, width]) = pixels::<_, 4>(array)?;
+        let alpha = Some(pixels.iter().map(|pixel| pixel[3]).collect());
+        let pixels = pixels.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
+        return Ok(Image { width: width as u32, height: height as u32, pixels, alpha });
+    }
     let (pixels, [height, width]) = pixels(array)?;
-    Ok(Image { width: width as u32, height: height as u32, pixels })
+    Ok(Image { width: width as u32, height: height as u32, pixels, alpha: None })
 }
 
 fn display(exposure: f32, tone_mapper: &str) -> PyResult<Display> {
@@ -53,7 +60,7 @@ pub fn write_image(
     })
 }
 
-/// The picture as a display shows it: bytes of sRGB (height, width, 3).
+/// The picture as a display shows it: bytes of sRGB (height, width, 3), with alpha (height, width, 4).
 #[pyfunction]
 #[pyo3(signature = (array, *, exposure, tone_mapper))]
 pub fn tonemap<'py>(
@@ -63,14 +70,9 @@ pub fn tonemap<'py>(
     tone_mapper: &str,
 ) -> PyResult<Bound<'py, PyArray3<u8>>> {
     let (image, display) = (image(&array)?, display(exposure, tone_mapper)?);
-    let (width, height) = (image.width as usize, image.height as usize);
-    let bytes = guarded(py, || match show_image(&image, display) {
-        Pixels::Host(pixels) => {
-            Ok(pixels.iter().flat_map(|pixel| pixel.to_le_bytes().into_iter().take(3)).collect::<Vec<u8>>())
-        }
-        Pixels::Device(_) => Ok(vec![]),
-    })?;
-    PyArray1::from_vec(py, bytes).reshape([height, width, 3])
+    let shape = [image.height as usize, image.width as usize, array.shape()[2]];
+    let bytes = guarded(py, || Ok(show_bytes(&image, display)))?;
+    PyArray1::from_vec(py, bytes).reshape(shape)
 }
 
 /// A PNG of the picture.

@@ -16,6 +16,7 @@ pub struct Developed {
     width: usize,
     height: usize,
     pixels: Vec<f32>,
+    channels_of_pixels: usize,
     channels: Vec<Channel>,
     metadata: Option<raggio_render::Metadata>,
     /// Fewest and most samples of any pixel.
@@ -42,7 +43,13 @@ impl Developed {
         Self {
             width: mean.width as usize,
             height: mean.height as usize,
-            pixels: mean.pixels.into_flattened(),
+            channels_of_pixels: if mean.alpha.is_some() { 4 } else { 3 },
+            pixels: match mean.alpha {
+                None => mean.pixels.into_flattened(),
+                Some(alpha) => {
+                    mean.pixels.into_iter().zip(alpha).flat_map(|([r, g, b], alpha)| [r, g, b, alpha]).collect()
+                }
+            },
             channels,
             metadata,
             samples,
@@ -54,7 +61,10 @@ impl Developed {
     pub fn into_dict(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         let size = [self.height, self.width];
         let found = PyDict::new(py);
-        found.set_item("pixels", PyArray1::from_vec(py, self.pixels).reshape([size[0], size[1], 3])?)?;
+        found.set_item(
+            "pixels",
+            PyArray1::from_vec(py, self.pixels).reshape([size[0], size[1], self.channels_of_pixels])?,
+        )?;
         let channels = PyDict::new(py);
         for Channel { name, values } in self.channels {
             match values {

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use numpy::{PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
-use raggio_scene::{AssetOptions, Assets, Mesh, Scene, scene_text};
+use raggio_scene::{AssetOptions, Assets, Camera, Mesh, Scene, scene_text};
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value};
 
 use crate::errors::{guarded, scene_error};
@@ -377,8 +377,13 @@ impl SceneText {
 /// Checks a camera, which is a table.
 #[pyfunction]
 pub fn check_camera(text: &str) -> PyResult<()> {
+    read_camera(text).map(drop)
+}
+
+/// Reads a camera, which is a table.
+pub fn read_camera(text: &str) -> PyResult<Camera> {
     let scene = Scene::parse(&format!("{NEW}camera = {text}\nenvironment = {{ color = [1, 1, 1] }}\n"), "camera");
-    scene.map(drop).map_err(|error| PyValueError::new_err(error.message))
+    scene.map(|scene| scene.camera).map_err(|error| PyValueError::new_err(error.message))
 }
 
 fn parsed(text: &str) -> PyResult<Value> {

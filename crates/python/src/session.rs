@@ -7,17 +7,13 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use raggio_render::{Aov, Denoiser, Observer, Progress, RenderRequest, Rendering, Stop};
-use raggio_scene::{Camera, Scene, Vec3};
+use raggio_scene::{Camera, Scene};
 
 use crate::errors::{denoise_error, device_error, guarded, render_error};
 use crate::host::{self, on_threads};
 use crate::picture::Developed;
-use crate::scene::{ReadScene, SceneText};
+use crate::scene::{ReadScene, SceneText, read_camera};
 use crate::values::chosen;
-
-/// Position, point looked at, direction upwards, field of view, height of parallel views, radius of the lens, distance in
-/// focus.
-type CameraNumbers = ([f32; 3], [f32; 3], [f32; 3], f32, Option<f32>, f32, f32);
 
 /// A scene on a device.
 #[pyclass(frozen, module = "raggio._raggio")]
@@ -40,32 +36,24 @@ struct Inner {
 /// View of a scene, and settings in place of the scene's own.
 #[derive(Clone)]
 struct View {
-    camera: Option<CameraNumbers>,
+    camera: Option<Camera>,
     size: Option<(u32, u32)>,
     seed: Option<u32>,
     max_depth: Option<u32>,
+    alpha: Option<bool>,
 }
 
 impl View {
     fn apply(&self, scene: &mut Scene) {
-        if let Some((position, look_at, up, vertical_fov_degrees, orthographic_height, aperture_radius, focus)) =
-            self.camera
-        {
-            scene.camera = Camera {
-                position: Vec3::from(position),
-                look_at: Vec3::from(look_at),
-                up: Vec3::from(up),
-                vertical_fov_degrees,
-                orthographic_height,
-                aperture_radius,
-                focus_distance: focus,
-            };
+        if let Some(camera) = &self.camera {
+            scene.camera = camera.clone();
         }
         if let Some(size) = self.size {
             (scene.render.width, scene.render.height) = size;
         }
         scene.render.seed = self.seed.unwrap_or(scene.render.seed);
         scene.render.max_depth = self.max_depth.unwrap_or(scene.render.max_depth);
+        scene.render.alpha = self.alpha.unwrap_or(scene.render.alpha);
     }
 }
 
@@ -74,18 +62,20 @@ impl Session {
     /// Brings a scene to a device.
     #[new]
     #[pyo3(signature = (
-        scene, *, name, camera, size, samples, seed, max_depth, noise, time_limit, device, threads, aovs, denoise
+        scene, *, name, camera, size, samples, seed, max_depth, alpha, noise, time_limit, device, threads, aovs,
+        denoise
     ))]
     #[allow(clippy::too_many_arguments, reason = "all but one are named")]
     fn new(
         py: Python<'_>,
         scene: &SceneText,
         name: String,
-        camera: Option<CameraNumbers>,
+        camera: Option<String>,
         size: Option<(u32, u32)>,
         samples: Option<u32>,
         seed: Option<u32>,
         max_depth: Option<u32>,
+        alpha: Option<bool>,
         noise: Option<f32>,
         time_limit: Option<f32>,
         device: String,
@@ -96,7 +86,8 @@ impl Session {
         let layers: Vec<Aov> = aovs.iter().map(|name| chosen(name)).collect::<PyResult<_>>()?;
         let stop = Stop { samples: samples.map(|samples| 0..samples), noise, time_limit };
         let request = RenderRequest { name, layers, denoise, stop, ..RenderRequest::default() };
-        let view = View { camera, size, seed, max_depth };
+        let camera = camera.as_deref().map(read_camera).transpose()?;
+        let view = View { camera, size, seed, max_depth, alpha };
         guarded(py, || {
             // What cannot be had is told before any time is spent.
             if denoise {
@@ -130,17 +121,20 @@ impl Session {
     }
 
     /// Begins anew with another view of `scene`, and brings what has changed of it to the device.
-    #[pyo3(signature = (scene, *, camera, size, seed, max_depth))]
+    #[pyo3(signature = (scene, *, camera, size, seed, max_depth, alpha))]
+    #[allow(clippy::too_many_arguments, reason = "all but one are named")]
     fn look(
         &self,
         py: Python<'_>,
         scene: &SceneText,
-        camera: Option<CameraNumbers>,
+        camera: Option<String>,
         size: Option<(u32, u32)>,
         seed: Option<u32>,
         max_depth: Option<u32>,
+        alpha: Option<bool>,
     ) -> PyResult<()> {
-        let view = View { camera, size, seed, max_depth };
+        let camera = camera.as_deref().map(read_camera).transpose()?;
+        let view = View { camera, size, seed, max_depth, alpha };
         guarded(py, || {
             on_threads(|| {
                 let mut inner = self.lock()?;

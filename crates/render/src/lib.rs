@@ -23,7 +23,7 @@ pub use devices::group::DeviceGroup;
 pub use devices::machine::{TooLarge, check_memory, memory_bytes, peak_memory_bytes, total_memory_bytes};
 pub use devices::vulkan::VulkanDevice;
 pub use pictures::aov::{Aov, Channel, Features, Values};
-pub use pictures::display::{Display, Pixels, show_image};
+pub use pictures::display::{Display, Pixels, show_bytes, show_image};
 pub use pictures::file_faults::{file_fault_is_due, pretend_file_fault};
 pub use pictures::film::{Film, FilmError, Label, MergeError, Portion, film_bytes};
 pub use pictures::format::PictureFormat;

@@ -1,5 +1,6 @@
 //! Renders in portions.
 
+mod coverage;
 mod identity;
 mod resume;
 

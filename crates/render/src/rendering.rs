@@ -103,7 +103,7 @@ impl Rendering {
     /// A [`RenderError`] when the picture or the scene is too large, the checkpoint is of something else, or the device
     /// fails.
     pub fn begin(scene: &Scene, device: &dyn Device, request: RenderRequest) -> Result<Self, RenderError> {
-        check_films(scene.render.width, scene.render.height, request.films_beside())?;
+        check_films(scene.render.width, scene.render.height, request.films_beside(scene.render.alpha))?;
         let device_scene = DeviceScene::new(scene)?;
         let session = device.load(&device_scene)?;
         let mut renderer = Renderer::new(session, &device_scene, request.stop.samples(&scene.render));
@@ -178,7 +178,7 @@ impl Rendering {
     }
 
     fn check_memory(&self, scene: &Scene) -> Result<(), TooLarge> {
-        check_films(scene.render.width, scene.render.height, self.request.films_beside())
+        check_films(scene.render.width, scene.render.height, self.request.films_beside(scene.render.alpha))
     }
 
     fn restart(&mut self, scene: &Scene) -> Result<(), RenderError> {
@@ -235,12 +235,14 @@ impl Rendering {
             ));
         }
         let mut features = None;
+        let mut coverage = None;
         if failure.is_none() {
             match self.features(observer, &film) {
-                Ok(found) => features = Some(found),
+                Ok(found) => (features, coverage) = (Some(found.0), found.1),
                 Err(error) => failure = Some(error),
             }
         }
+        let film = film.with_coverage(coverage);
         let (shapes, triangles) = (self.scene.shapes(), self.scene.triangles());
         let keeper = self.keeper.take();
         let picture = self.picture(film, features);
@@ -340,16 +342,20 @@ impl Rendering {
         Some(path)
     }
 
-    /// Renders what the layers and the denoiser need to know of first surfaces.
-    fn features(&mut self, observer: &mut dyn Observer, film: &Film) -> Result<Features, DeviceError> {
+    /// Renders what the layers and the denoiser need to know of first surfaces, and their coverage if the picture has an
+    /// alpha channel.
+    fn features(&mut self, observer: &mut dyn Observer, film: &Film) -> Result<(Features, Option<Film>), DeviceError> {
         let wanted = self.request.features();
-        if !wanted.is_empty() {
+        let has_alpha = self.scene.settings.alpha;
+        if has_alpha || !wanted.is_empty() {
             observer.begin(Phase::Layers);
         }
         // The mean number, where parts of the picture have more than others; an early end ends these films early too.
         let samples = (film.samples() / film.pixels().len() as u64).clamp(1, MOST_FEATURE_SAMPLES) as u32;
         let progress = self.renderer.progress();
-        Features::render(&mut self.renderer, &wanted, samples, || observer.progress(&progress))
+        let features = Features::render(&mut self.renderer, &wanted, samples, || observer.progress(&progress))?;
+        let coverage = has_alpha.then(|| self.renderer.coverage(film, || observer.progress(&progress)));
+        Ok((features, coverage.transpose()?))
     }
 
     fn picture(&self, film: Film, features: Option<Features>) -> Picture {

@@ -47,11 +47,11 @@ impl RenderRequest {
         wanted
     }
 
-    /// Number of films beside that of the picture whose memory layers and guides take.
-    pub(crate) fn films_beside(&self) -> u64 {
+    /// Number of films beside that of the picture whose memory layers, guides and, with `alpha`, coverage take.
+    pub(crate) fn films_beside(&self, alpha: bool) -> u64 {
         // What a denoiser works in is about as large as two films.
         let denoiser = if self.denoise { 2 } else { 0 };
-        self.features().len() as u64 + denoiser
+        self.features().len() as u64 + u64::from(alpha) + denoiser
     }
 }
 

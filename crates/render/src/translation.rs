@@ -1,6 +1,7 @@
 //! The way of a scene to what kernels read: flat buffers, hierarchies, lists of lights, tables.
 
 pub mod bounds;
+pub mod camera;
 pub mod device_scene;
 pub mod error;
 pub mod filters;

@@ -123,13 +123,14 @@ fn films_that_do_not_go_together_are_refused_with_the_reason() {
     assert_eq!(merge(|scene| scene.materials[0].color = Vec3::ONE, 4..6), MergeError::Scene);
     assert_eq!(merge(|scene| scene.render.height = 6, 4..6), MergeError::Size([6, 5], [6, 6]));
     type Change = fn(&mut Scene);
-    let changes: [(Change, &str); 7] = [
+    let changes: [(Change, &str); 8] = [
         (|scene| scene.render.seed = 1, "seed"),
         (|scene| scene.render.max_depth = 3, "max_depth"),
         (|scene| scene.render.clamp = Some(2.0), "clamp"),
         (|scene| scene.render.filter = raggio_scene::Filter::Mitchell, "filter"),
         (|scene| scene.render.sampler = raggio_scene::Sampler::Pcg, "sampler"),
         (|scene| scene.render.integrator = raggio_scene::Integrator::Reference, "integrator"),
+        (|scene| scene.render.alpha = true, "alpha"),
         (|scene| scene.render.surface_offset = false, "surface_offset"),
     ];
     for (change, expected) in changes {
@@ -187,7 +188,7 @@ fn sizes_are_not_believed() {
         changed[place..place + 4].copy_from_slice(&word.to_le_bytes());
         refused(&changed)
     };
-    assert!(matches!(with(8, 3), FilmError::Version { found: 3, .. }));
+    assert!(matches!(with(8, 4), FilmError::Version { found: 4, .. }));
     assert!(matches!(with(12, 0), FilmError::Damaged { .. }));
     assert!(matches!(with(12, 1 << 17), FilmError::Damaged { .. }));
     // A list of four thousand million entries, where the version's text is.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
-use raggio_render::{Display, Extras, Film, FilmPixel, Image, ImageFile, Metadata, PngBits, ToneMapper};
+use raggio_render::{Display, Extras, Film, FilmPixel, Image, ImageFile, Metadata, PngBits, ToneMapper, show_bytes};
 use raggio_scene::Scene;
 
 /// A film of 3x2 pixels whose means are exact in 8 bits: 0 or 1 in each channel.
@@ -46,7 +46,7 @@ fn sixteen_bits_are_read() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("fine.png");
     let pixels: Vec<_> = (0..257).map(|i| [i as f32 / 256.0, i as f32 / 65536.0, 2.0]).collect();
-    let image = Image { width: 257, height: 1, pixels };
+    let image = Image { width: 257, height: 1, pixels, alpha: None };
     let file = ImageFile::new(&path).expect("a format").with_png_bits(PngBits::Sixteen);
     let display = Display { tone_mapper: ToneMapper::None, ..Display::default() };
     file.write(&Film::from_image(&image), display).expect("the picture is written");
@@ -58,6 +58,24 @@ fn sixteen_bits_are_read() {
             assert!((found - expected).abs() < 1.3 / 65535.0, "{written} became {found}");
         }
     }
+}
+
+/// Alpha goes with a picture into a film and back. Bytes have the colours of what is covered, and an alpha that is no colour.
+#[test]
+fn alpha_stays() {
+    let pixels = vec![[0.5, 0.25, 0.0], [0.0; 3], [2.0, 1.0, 0.5]];
+    let image = Image { width: 3, height: 1, pixels, alpha: Some(vec![0.5, 0.0, 1.0]) };
+    assert_eq!(Film::from_image(&image).mean(), image);
+    assert_eq!(image.straight().pixels, [[1.0, 0.5, 0.0], [0.0; 3], [2.0, 1.0, 0.5]]);
+    let display = Display { tone_mapper: ToneMapper::None, ..Display::default() };
+    assert_eq!(show_bytes(&image, display), [255, 188, 0, 128, 0, 0, 0, 0, 255, 255, 188, 255]);
+    let opaque = Image { alpha: None, ..image.clone() };
+    assert_eq!(show_bytes(&opaque, display), [188, 137, 0, 0, 0, 0, 255, 255, 188]);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.png");
+    ImageFile::new(&path).expect("a format").write_image(&image, display, &Extras::default()).expect("it is written");
+    let png = image::open(&path).expect("a PNG").into_rgba8();
+    assert_eq!(png.into_raw(), show_bytes(&image, display));
 }
 
 /// Messages go to terminals, and nobody has asked for a temporary file.
@@ -228,7 +246,7 @@ proptest! {
         values in proptest::collection::vec([0.0f32..10.0, 0.0f32..1.0, -1.0f32..1.0], 1600),
     ) {
         let count = (from.0 * from.1) as usize;
-        let image = Image { width: from.0, height: from.1, pixels: values[..count].to_vec() };
+        let image = Image { width: from.0, height: from.1, pixels: values[..count].to_vec(), alpha: None };
         let resized = image.resized(to.0, to.1);
         prop_assert_eq!((resized.width, resized.height, resized.pixels.len() as u32), (to.0, to.1, to.0 * to.1));
         for (before, after) in mean(&image).into_iter().zip(mean(&resized)) {
@@ -246,7 +264,7 @@ proptest! {
 
 #[test]
 fn resizing_averages_what_a_pixel_covers() {
-    let row = Image { width: 3, height: 1, pixels: [0.0, 3.0, 6.0].map(|v| [v; 3]).to_vec() };
+    let row = Image { width: 3, height: 1, pixels: [0.0, 3.0, 6.0].map(|v| [v; 3]).to_vec(), alpha: None };
     let halves: Vec<f32> = row.resized(2, 1).pixels.iter().map(|pixel| pixel[0]).collect();
     assert_eq!(halves, [1.0, 5.0]);
 }

@@ -5,6 +5,7 @@ mod environment;
 mod materials;
 mod meshes;
 mod principled;
+mod projection;
 mod shapes;
 
 use std::collections::{HashMap, HashSet};
@@ -19,10 +20,12 @@ use crate::file::{CameraFile, MeshFile, RenderFile, SceneFile, ShapeFile};
 use crate::names;
 use crate::number::SMALLEST;
 use crate::review::Review;
-use crate::scene::{Camera, Environment, Material, RenderSettings, Scene, Shape};
+use crate::scene::{Camera, Environment, Material, Projection, RenderSettings, Scene, Shape};
 
 /// Sine of the smallest angle between `up` and the viewing direction.
 const PARALLEL: f64 = 1e-5;
+/// Projection in place of one at fault.
+const STAND_IN: Projection = Projection::Perspective { vertical_fov_degrees: 40.0 };
 
 /// The scene and, apart from it, its warnings; it is sound if `review` has no faults. Paths are relative to `folder`.
 pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets, review: &Review) -> (Scene, Vec<Fault>) {
@@ -30,12 +33,13 @@ pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets, review
     let files =
         &mut Files { folder, assets, review, troubles: HashMap::new(), warnings: Vec::new(), warned: HashSet::new() };
     review.accept(check_camera(&file.camera));
+    let projection = review.accept(projection::projection(&file.camera));
     let environment = file.environment.as_ref().and_then(|file| review.accept(environment::environment(file, files)));
     let materials = materials::materials(&file.materials, files, &mut warnings);
     let shapes = &file.shapes.0;
     let mut scene = Scene {
         render: render(&file.render),
-        camera: camera(&file.camera),
+        camera: camera(&file.camera, projection.unwrap_or(STAND_IN)),
         environment: environment.unwrap_or(Environment::Constant(Vec3::ZERO)),
         shapes: Vec::with_capacity(shapes.len()),
         entries: Vec::with_capacity(shapes.len()),
@@ -87,6 +91,11 @@ struct Builder<'a, 'f> {
     first_materials: HashMap<*const Imported, Option<usize>>,
 }
 
+/// The first key that is given.
+fn first_given(keys: &[(&'static str, bool)]) -> Option<&'static str> {
+    keys.iter().find(|(_, is_given)| *is_given).map(|(key, _)| *key)
+}
+
 /// Vector of 32-bit floats; the types of the file have checked that the numbers are in range.
 fn vec3<T: Into<f64>>(numbers: [T; 3]) -> Vec3 {
     dvec3(numbers).as_vec3()
@@ -107,19 +116,19 @@ fn render(file: &RenderFile) -> RenderSettings {
         sampler: file.sampler.0,
         filter: file.filter.0,
         clamp: file.clamp.map(|limit| f64::from(limit) as f32),
+        alpha: file.alpha,
         surface_offset: file.surface_offset,
         ..RenderSettings::default()
     }
 }
 
-fn camera(file: &CameraFile) -> Camera {
+fn camera(file: &CameraFile, projection: Projection) -> Camera {
     let focus_distance = file.focus_distance.map_or_else(|| towards(file).length(), f64::from);
     Camera {
         position: vec3(file.position),
         look_at: vec3(file.look_at),
         up: vec3(file.up),
-        vertical_fov_degrees: file.vertical_fov_degrees.0 as f32,
-        orthographic_height: file.orthographic_height.map(|height| f64::from(height) as f32),
+        projection,
         aperture_radius: file.aperture_radius.0 as f32,
         focus_distance: focus_distance as f32,
     }
@@ -168,10 +177,7 @@ fn perpendicular_axis(towards: DVec3) -> &'static str {
 /// A warning of an angle of view that may be meant in radians: 3.2 is just above half a turn.
 fn radians(file: &CameraFile) -> Option<Fault> {
     const HALF_TURN: f64 = 3.2;
-    let angle = file.vertical_fov_degrees.0;
-    if angle >= HALF_TURN || file.orthographic_height.is_some() {
-        return None;
-    }
+    let angle = file.vertical_fov_degrees.map(|angle| angle.0).filter(|angle| *angle < HALF_TURN)?;
     let degrees = (10.0 * angle.to_degrees()).round() / 10.0;
     let message = format!(
         "`vertical_fov_degrees` in [camera] is {angle}, which shows very little: if these are radians, write {degrees}"

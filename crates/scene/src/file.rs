@@ -13,9 +13,10 @@ use serde_json::{Value, json};
 
 use crate::named::Named;
 use crate::number::{
-    Brightness, Coordinate, FieldOfView, Fraction, NonNegative, Positive, Reflectance, RefractiveIndex, Version, Whole,
+    Brightness, Coordinate, FieldOfView, FocalLength, Fraction, NonNegative, PixelPlace, Positive, Reflectance,
+    RefractiveIndex, Version, Whole,
 };
-use crate::scene::{Filter, RenderSettings, Sampler};
+use crate::scene::{Filter, Panorama, RenderSettings, Sampler};
 
 pub(crate) use principled::{
     AlphaModeFile, PrincipledFile, TextureFile, TextureFilterFile, TextureTable, WrapFile, WrapName,
@@ -74,31 +75,61 @@ pub(crate) struct RenderFile {
     /// The largest channel of a sample that counts: what exceeds it is taken off, which loses light and fireflies. Absent: nothing is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clamp: Option<Positive>,
+    /// Whether the picture has an alpha channel: the background is left out where the camera sees it directly, but still lights the scene, and is seen in mirrors and through glass.
+    pub alpha: bool,
     /// Whether rays start slightly off the surface they leave. Without it surfaces shadow themselves in rings; only for teaching.
     pub surface_offset: bool,
 }
 
-/// Camera that takes the picture.
+/// Camera that takes the picture: its position and direction, and one of `vertical_fov_degrees`, `intrinsics`,
+/// `orthographic_height` and `panorama`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("oneOf" = [
+    { "required": ["vertical_fov_degrees"] }, { "required": ["intrinsics"] }, { "required": ["orthographic_height"] },
+    { "required": ["panorama"] }
+]), extend("if" = { "required": ["panorama"] }, "then" = {
+    "properties": { "aperture_radius": { "const": 0 } }, "not": { "required": ["focus_distance"] }
+}))]
 #[schemars(rename = "Camera")]
 pub(crate) struct CameraFile {
     /// Position of the camera.
     pub position: Point,
-    /// The point in the middle of the picture.
+    /// The point in the middle of the picture, or at the principal point of `intrinsics`.
     pub look_at: Point,
     /// The direction that points up in the picture; neither zero nor parallel to the viewing direction.
     #[serde(default = "y_axis")]
     pub up: Point,
     /// Angle between the picture's top and bottom edges, greater than 0 and less than 180.
-    pub vertical_fov_degrees: FieldOfView,
-    /// Height of the picture in the scene's units, for an orthographic camera: all rays are parallel, and the angle counts for nothing.
+    pub vertical_fov_degrees: Option<FieldOfView>,
+    /// Intrinsics of a camera that was measured, in place of the angle.
+    pub intrinsics: Option<IntrinsicsFile>,
+    /// Height of the picture in the scene's units, for an orthographic camera, whose rays are all parallel.
     pub orthographic_height: Option<Positive>,
+    /// Layout of a picture of all directions around the camera.
+    pub panorama: Option<Named<Panorama>>,
     /// Radius of the lens: 0 keeps everything sharp, more blurs what is out of focus.
     #[serde(default = "zero")]
     pub aperture_radius: NonNegative,
     /// Distance of the plane in focus; default: the distance from `position` to `look_at`.
     pub focus_distance: Option<Positive>,
+}
+
+/// Intrinsics of a pinhole camera, in pixels of a picture of `size`: x / z and y / z of a point to the right, down and
+/// forward of the camera become focal[0] x/z + skew y/z + principal_point[0] and focal[1] y/z + principal_point[1].
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Intrinsics")]
+pub(crate) struct IntrinsicsFile {
+    /// Focal lengths across and down, fx and fy.
+    pub focal: [FocalLength; 2],
+    /// Point of the picture that lies straight ahead, cx and cy, counted from the top left corner of the picture; where whole numbers are the middles of pixels, add 0.5 to both. Absent: the middle.
+    pub principal_point: Option<[PixelPlace; 2]>,
+    /// Skew, 0 where pixels are rectangles.
+    #[serde(default = "straight")]
+    pub skew: PixelPlace,
+    /// Width and height of the picture that the other numbers are of. A picture of another height has them in proportion.
+    pub size: [Whole<1, 65536>; 2],
 }
 
 /// Light from outside: `color`, or `horizon` and `zenith`, or `image`.
@@ -391,7 +422,7 @@ impl JsonSchema for Shapes {
 
 impl Default for RenderFile {
     fn default() -> Self {
-        let RenderSettings { width, height, samples, max_depth, seed, sampler, filter, surface_offset, .. } =
+        let RenderSettings { width, height, samples, max_depth, seed, sampler, filter, alpha, surface_offset, .. } =
             RenderSettings::default();
         Self {
             width: Whole(width.into()),
@@ -402,6 +433,7 @@ impl Default for RenderFile {
             sampler: Named(sampler),
             filter: Named(filter),
             clamp: None,
+            alpha,
             surface_offset,
         }
     }
@@ -417,4 +449,8 @@ fn y_axis() -> Point {
 
 fn zero() -> NonNegative {
     NonNegative(0.0)
+}
+
+fn straight() -> PixelPlace {
+    PixelPlace(0.0)
 }

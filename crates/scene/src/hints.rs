@@ -19,6 +19,7 @@ const RENDER: Foreign = &[
     (&["spp", "samplesperpixel", "samplecount"], "samples"),
     (&["depth", "bounces", "maxbounces", "maxpathlength"], "max_depth"),
     (&["resolution", "size", "dimensions"], "the size is `width` and `height`"),
+    (&["transparent", "transparentbackground", "filmtransparent", "rgba", "coverage"], "alpha"),
     (&["reconstructionfilter", "rfilter", "pixelfilter"], "filter"),
     (
         &[
@@ -46,9 +47,23 @@ const CAMERA: Foreign = &[
         &["hfov", "fovx", "xfov", "horizontalfov", "horizontalfovdegrees"],
         "the angle is that between the picture's top and bottom edges, `vertical_fov_degrees`",
     ),
+    (&["k", "cameramatrix", "intrinsicmatrix", "calibration", "principalpoint", "fx", "fy", "cx", "cy"], "intrinsics"),
+    (&["orthographic", "orthoscale", "orthographicscale", "ymag"], "orthographic_height"),
+    (&["panoramic", "equirectangular", "latlong", "spherical", "envmap"], "panorama"),
+    (
+        &["projection", "type", "kind", "model", "cameramodel"],
+        "one of `vertical_fov_degrees`, `intrinsics`, `orthographic_height` and `panorama` says what kind of camera it is",
+    ),
     (&["lensradius", "fstop", "fnumber", "bokeh"], "aperture_radius"),
     (&["focaldistance", "focallength", "focus"], "focus_distance"),
     (&["aspect", "aspectratio"], "the aspect is that of `width` and `height` in [render]"),
+];
+
+const INTRINSICS: Foreign = &[
+    (&["fx", "fy", "f", "focallength", "fl"], "focal"),
+    (&["cx", "cy", "principal", "center", "pp"], "principal_point"),
+    (&["width", "height", "w", "h", "resolution"], "size"),
+    (&["s"], "skew"),
 ];
 
 const ENVIRONMENT: Foreign = &[
@@ -188,6 +203,7 @@ fn foreign_to(path: &[Step]) -> Foreign {
         [] => TOP,
         ["render"] => RENDER,
         ["camera"] => CAMERA,
+        ["camera", "intrinsics"] => INTRINSICS,
         ["environment"] => ENVIRONMENT,
         ["materials", _] => MATERIAL,
         ["materials", _, "principled"] => PRINCIPLED,
@@ -228,8 +244,8 @@ mod tests {
 
     use super::*;
     use crate::file::{
-        BoxFile, CameraFile, EnvironmentFile, MaterialFile, MeshFile, PlaneFile, RectangleFile, RenderFile, SceneFile,
-        ShapeFile, SphereFile, TextureTable,
+        BoxFile, CameraFile, EnvironmentFile, IntrinsicsFile, MaterialFile, MeshFile, PlaneFile, RectangleFile,
+        RenderFile, SceneFile, ShapeFile, SphereFile, TextureTable,
     };
 
     /// Asserts that the table leads from keys that do not exist to keys that do.
@@ -252,6 +268,7 @@ mod tests {
         check::<SceneFile>(TOP);
         check::<RenderFile>(RENDER);
         check::<CameraFile>(CAMERA);
+        check::<IntrinsicsFile>(INTRINSICS);
         check::<EnvironmentFile>(ENVIRONMENT);
         check::<MaterialFile>(MATERIAL);
         check::<PrincipledFile>(PRINCIPLED);

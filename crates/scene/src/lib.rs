@@ -57,8 +57,8 @@ pub use raggio_models::{
     TextureFilter, Wrap,
 };
 pub use scene::{
-    Camera, Entry, Environment, Filter, Geometry, Integrator, Material, Placement, Reflection, RenderSettings, Sampler,
-    Scene, Shape, rotation,
+    Camera, Entry, Environment, Filter, Geometry, Integrator, Intrinsics, Material, Panorama, Placement, Projection,
+    Reflection, RenderSettings, Sampler, Scene, Shape, rotation,
 };
 pub use schema::schema;
 pub use showing::cameras;

@@ -86,6 +86,15 @@ fn field_of_view(x: f64) -> Result<(), Rule> {
     require(in_range, "must be at least 0.001 and at most 179.999", "")
 }
 
+fn focal_length(x: f64) -> Result<(), Rule> {
+    require(x > 0.0, "must be greater than 0", "")?;
+    require((1e-3..=1e9).contains(&x), "must be at least 0.001 and at most 1e9", "it is in pixels")
+}
+
+fn pixel_place(x: f64) -> Result<(), Rule> {
+    require(x.abs() <= 1e9, "must be at most 1e9 in size", "it is in pixels")
+}
+
 macro_rules! numbers {
     ($($(#[$doc:meta])* $name:ident, $check:ident, { $($schema:tt)* };)*) => {$(
         $(#[$doc])*
@@ -142,6 +151,10 @@ numbers! {
     Ior, ior, { "minimum": 1, "maximum": 10 };
     /// Angle of view in degrees.
     FieldOfView, field_of_view, { "minimum": 0.001, "maximum": 179.999 };
+    /// Focal length in pixels.
+    FocalLength, focal_length, { "minimum": 0.001, "maximum": 1e9 };
+    /// Place along one side of a picture, in pixels.
+    PixelPlace, pixel_place, { "minimum": -1e9, "maximum": 1e9 };
 }
 
 /// A whole number from `MIN` to `MAX`.

@@ -57,6 +57,8 @@ pub struct RenderSettings {
     pub filter: Filter,
     /// Largest channel of a sample that counts; the excess is taken off. `None` leaves samples as they are.
     pub clamp: Option<f32>,
+    /// Whether what the camera sees behind everything is left out of the picture, which gets a coverage in its place.
+    pub alpha: bool,
     /// Whether rays start slightly off the surface they leave; without it a surface shadows itself.
     pub surface_offset: bool,
     /// Algorithm of light transport; the program's choice, not the file's.
@@ -74,6 +76,7 @@ impl Default for RenderSettings {
             sampler: Sampler::Sobol,
             filter: Filter::Box,
             clamp: None,
+            alpha: false,
             surface_offset: true,
             integrator: Integrator::Path,
         }
@@ -114,33 +117,111 @@ choice! {
     }
 }
 
-/// A pinhole, or a thin lens when `aperture_radius` is positive.
+/// Viewpoint of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
     /// Position of the pinhole, or of the lens's centre.
     pub position: Vec3,
-    /// Point in the middle of the picture, never equal to `position`.
+    /// Point in the middle of the picture, never equal to `position`; intrinsics may put it elsewhere.
     pub look_at: Vec3,
     /// Direction upwards, not zero and not parallel to the viewing direction, but of any length and not at a right
     /// angle to it.
     pub up: Vec3,
-    /// Angle between the picture's top and bottom edges, between 0 and 180 exclusive.
-    pub vertical_fov_degrees: f32,
-    /// Height of the picture in the scene's units, where all rays are parallel; the angle has no meaning then.
-    pub orthographic_height: Option<f32>,
-    /// Radius of the lens; 0 is a pinhole.
+    /// Projection of what is seen onto the picture.
+    pub projection: Projection,
+    /// Radius of the lens; 0 is a pinhole, and a panorama has no other.
     pub aperture_radius: f32,
     /// Distance from `position`, along the viewing direction, of the plane in focus; positive.
     pub focus_distance: f32,
 }
 
-impl Camera {
-    /// Half of the picture's height in the scene's units: at the distance 1, or anywhere where rays are parallel.
-    pub fn half_height(&self) -> f64 {
-        match self.orthographic_height {
-            None => (f64::from(self.vertical_fov_degrees).to_radians() / 2.0).tan(),
-            Some(height) => f64::from(height) / 2.0,
+/// Projection of what a camera sees onto its picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Rays set out from one point; the angle between the picture's top and bottom edges is between 0 and 180 exclusive.
+    Perspective {
+        /// Angle between the picture's top and bottom edges.
+        vertical_fov_degrees: f32,
+    },
+    /// Rays set out from one point, as those of a camera whose intrinsics are known.
+    Calibrated(Intrinsics),
+    /// Rays are parallel.
+    Orthographic {
+        /// Height of the picture in the scene's units, positive.
+        height: f32,
+    },
+    /// Rays set out from one point in all directions.
+    Panoramic(Panorama),
+}
+
+choice! {
+    /// Layouts of pictures of all directions.
+    pub enum Panorama: "panorama" {
+        /// The whole sphere: longitude from left to right, latitude from bottom to top, the viewing direction in the middle.
+        LatitudeLongitude = "latitude-longitude",
+    }
+}
+
+/// Intrinsics of a pinhole camera, in pixels of a picture of `size`. A point x to the right, y down and z forward of the
+/// camera is seen at (`focal.x` x / z + `skew` y / z + `principal_point.x`, `focal.y` y / z + `principal_point.y`), counted
+/// from the top left corner of the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Intrinsics {
+    /// Focal lengths across and down, both positive.
+    pub focal: [f32; 2],
+    /// Point of the picture that lies straight ahead.
+    pub principal_point: [f32; 2],
+    /// Skew of the axes, 0 where pixels are rectangles.
+    pub skew: f32,
+    /// Width and height of the picture.
+    pub size: [u32; 2],
+}
+
+impl Intrinsics {
+    /// Intrinsics of the same camera for a picture of another size. Its height shows what it did before: where the
+    /// proportions are others there is more or less to the left and to the right.
+    pub fn resized(&self, width: u32, height: u32) -> Self {
+        if self.size == [width, height] {
+            return *self;
         }
+        let [old_width, old_height] = self.size.map(f64::from);
+        let scale = f64::from(height) / old_height;
+        let scaled = |x: f32| (f64::from(x) * scale) as f32;
+        let [x, y] = self.principal_point.map(f64::from);
+        Self {
+            focal: self.focal.map(scaled),
+            principal_point: [((x - old_width / 2.0) * scale + f64::from(width) / 2.0) as f32, (y * scale) as f32],
+            skew: scaled(self.skew),
+            size: [width, height],
+        }
+    }
+}
+
+impl Camera {
+    /// Half of the picture's height in the scene's units: at the distance 1, or anywhere where rays are parallel. That of a
+    /// panorama is along the sphere.
+    pub fn half_height(&self) -> f64 {
+        match self.projection {
+            Projection::Perspective { vertical_fov_degrees } => {
+                (f64::from(vertical_fov_degrees).to_radians() / 2.0).tan()
+            }
+            Projection::Calibrated(Intrinsics { focal, size, .. }) => f64::from(size[1]) / 2.0 / f64::from(focal[1]),
+            Projection::Orthographic { height } => f64::from(height) / 2.0,
+            Projection::Panoramic(_) => std::f64::consts::FRAC_PI_2,
+        }
+    }
+
+    /// Height of the picture in the scene's units, where rays are parallel.
+    pub fn orthographic_height(&self) -> Option<f32> {
+        match self.projection {
+            Projection::Orthographic { height } => Some(height),
+            _ => None,
+        }
+    }
+
+    /// Whether the picture shows all directions.
+    pub fn is_panoramic(&self) -> bool {
+        matches!(self.projection, Projection::Panoramic(_))
     }
 }
 

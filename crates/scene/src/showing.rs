@@ -102,14 +102,14 @@ fn camera(text: &mut String, own: Option<&Camera>, bounds: Bounds, aspect: f64) 
     };
     let [position, look_at, up] = [position, look_at, up].map(list);
     let _ = writeln!(text, "[camera]\nposition = {position}\nlook_at = {look_at}\nup = {up}");
-    let fov = match own.map(|camera| camera.projection) {
-        Some(Projection::Perspective { vertical_fov, .. }) => f64::from(vertical_fov).to_degrees().clamp(0.01, 179.0),
-        _ => VERTICAL_FOV,
+    let (key, value) = match own.map(|camera| camera.projection) {
+        Some(Projection::Perspective { vertical_fov, .. }) => {
+            ("vertical_fov_degrees", f64::from(vertical_fov).to_degrees().clamp(0.01, 179.0))
+        }
+        Some(Projection::Orthographic { ymag, .. }) => ("orthographic_height", 2.0 * f64::from(ymag)),
+        None => ("vertical_fov_degrees", VERTICAL_FOV),
     };
-    let _ = writeln!(text, "vertical_fov_degrees = {}", number(fov));
-    if let Some(Projection::Orthographic { ymag, .. }) = own.map(|camera| camera.projection) {
-        let _ = writeln!(text, "orthographic_height = {}", number(2.0 * f64::from(ymag)));
-    }
+    let _ = writeln!(text, "{key} = {}", number(value));
 }
 
 /// Camera of the file: the one that is `wanted` by its name or its number from 1 on, or the first.

@@ -2,8 +2,8 @@
 
 use crate::common::{EXAMPLE, check_invariants, reference_scene};
 use raggio_scene::{
-    AlphaMode, Camera, Entry, Environment, Filter, Geometry, Integrator, Material, Principled, Reflection,
-    RenderSettings, Sampler, Scene, Shape, Vec3,
+    AlphaMode, Camera, Entry, Environment, Filter, Geometry, Integrator, Intrinsics, Material, Panorama, Principled,
+    Projection, Reflection, RenderSettings, Sampler, Scene, Shape, Vec3,
 };
 
 const HEAD: &str = "version = 1
@@ -31,8 +31,7 @@ fn the_example_with_every_key() {
             position: Vec3::new(0.0, 1.0, 4.0),
             look_at: Vec3::Y,
             up: Vec3::Y,
-            vertical_fov_degrees: 40.0,
-            orthographic_height: None,
+            projection: Projection::Perspective { vertical_fov_degrees: 40.0 },
             aperture_radius: 0.0,
             focus_distance: 4.0,
         },
@@ -131,7 +130,7 @@ fn defaults() {
 fn every_setting() {
     let scene = parse(
         "[render]\nwidth = 65536\nheight = 1\nsamples = 2147483647\nmax_depth = 65535\n\
-         seed = 0xffff_ffff\nsampler = \"pcg\"\nfilter = \"point\"\nclamp = 12\nsurface_offset = false\n",
+         seed = 0xffff_ffff\nsampler = \"pcg\"\nfilter = \"point\"\nclamp = 12\nalpha = true\nsurface_offset = false\n",
     );
     let expected = RenderSettings {
         width: 65536,
@@ -142,6 +141,7 @@ fn every_setting() {
         sampler: Sampler::Pcg,
         filter: Filter::Point,
         clamp: Some(12.0),
+        alpha: true,
         surface_offset: false,
         integrator: Integrator::Path,
     };
@@ -291,6 +291,42 @@ fn many_warnings_of_a_kind_are_one() {
     let other =
         "scene.toml:609:1: `reflection` in [materials.other] does nothing without `refractive_index`".to_string();
     assert_eq!(many.warnings, [format!("{} (and 299 more like this)", warning("9:1", 0)), other]);
+}
+
+#[test]
+fn projections() {
+    let projection = |keys: &str| parse_with_camera(keys).camera.projection;
+    assert_eq!(projection("orthographic_height = 2.5"), Projection::Orthographic { height: 2.5 });
+    assert_eq!(
+        projection("panorama = \"latitude-longitude\"\naperture_radius = 0"),
+        Projection::Panoramic(Panorama::LatitudeLongitude)
+    );
+    let middle = Intrinsics { focal: [50.0, 60.0], principal_point: [20.5, 15.0], skew: 0.0, size: [41, 30] };
+    assert_eq!(projection("intrinsics = { focal = [50, 60], size = [41, 30] }"), Projection::Calibrated(middle));
+    let skewed = Intrinsics { principal_point: [-1.5, 31.0], skew: 0.25, ..middle };
+    assert_eq!(
+        projection("[camera.intrinsics]\nfocal = [50, 60]\nprincipal_point = [-1.5, 31]\nskew = 0.25\nsize = [41, 30]"),
+        Projection::Calibrated(skewed)
+    );
+}
+
+/// The scene of a camera with these keys in place of a field of view.
+fn parse_with_camera(keys: &str) -> Scene {
+    let text = format!("{}\n", HEAD.replace("vertical_fov_degrees = 40", keys));
+    let scene = Scene::parse(&text, "scene.toml").unwrap();
+    check_invariants(&scene);
+    scene
+}
+
+/// A picture of another height has intrinsics in proportion; one of other proportions shows more to the sides.
+#[test]
+fn intrinsics_of_another_size() {
+    let intrinsics = Intrinsics { focal: [50.0, 60.0], principal_point: [22.0, 10.0], skew: 1.0, size: [40, 30] };
+    assert_eq!(intrinsics.resized(40, 30), intrinsics);
+    let twice = Intrinsics { focal: [100.0, 120.0], principal_point: [44.0, 20.0], skew: 2.0, size: [80, 60] };
+    assert_eq!(intrinsics.resized(80, 60), twice);
+    let wider = Intrinsics { principal_point: [54.0, 20.0], size: [100, 60], ..twice };
+    assert_eq!(intrinsics.resized(100, 60), wider);
 }
 
 #[test]

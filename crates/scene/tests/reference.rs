@@ -35,16 +35,17 @@ fn rows(schema: &Value, table: &Value) -> String {
             default => format!("`{}`", short(default)),
         };
         let description = property["description"].as_str().unwrap().replace('\n', " ").replace('|', "\\|");
-        let unit = unit(key).map_or(String::new(), |unit| format!(" ({unit})"));
+        let unit = unit(key, property).map_or(String::new(), |unit| format!(" ({unit})"));
         format!("| `{key}` | {}{unit} | {default} | {description} |\n", kind(schema, property))
     });
     format!("| key | value | default | |\n|---|---|---|---|\n{}", rows.collect::<String>())
 }
 
 /// Unit of the numbers of a key.
-fn unit(key: &str) -> Option<&'static str> {
+fn unit(key: &str, property: &Value) -> Option<&'static str> {
     match key {
-        "width" | "height" => Some("pixels"),
+        "width" | "height" | "focal" | "principal_point" | "skew" => Some("pixels"),
+        "size" if property["items"]["type"] == "integer" => Some("pixels"),
         "time" => Some("seconds"),
         "anisotropy_rotation" => Some("degrees"),
         _ if key.ends_with("_degrees") => Some("degrees"),
@@ -103,6 +104,9 @@ fn kind(schema: &Value, value: &Value) -> String {
         }
         Some("array") => match (value["minItems"].as_u64().unwrap(), kind(schema, &value["items"])) {
             (count, kind) if kind.starts_with("number") => kind.replacen("number", &format!("{count} numbers"), 1),
+            (count, kind) if kind.starts_with("whole number") => {
+                kind.replacen("whole number", &format!("{count} whole numbers"), 1)
+            }
             (count, _) => format!("{count} of these"),
         },
         Some("object") => kind(schema, &value["additionalProperties"]).replacen("[table]", "[tables]", 1) + " by name",
@@ -114,6 +118,8 @@ fn kind(schema: &Value, value: &Value) -> String {
             "0.000000000000001 to 1000000000000000" => "number, greater than 0".to_string(),
             "0 to 1000000000000000" => "number, 0 or more".to_string(),
             "0 to 1000000000" => "number, 0 to 1e9".to_string(),
+            "0.001 to 1000000000" => "number, 0.001 to 1e9".to_string(),
+            "-1000000000 to 1000000000" => "number, -1e9 to 1e9".to_string(),
             range => format!("number, {range}"),
         },
         other => panic!("a value of type {other:?}"),

@@ -59,6 +59,25 @@ fn it_accepts_what_the_reader_accepts() {
     validator.validate(&json_of(&changed)).unwrap();
 }
 
+#[test]
+fn it_accepts_every_projection() {
+    let validator = jsonschema::validator_for(&schema()).unwrap();
+    for keys in [
+        "orthographic_height = 2",
+        "intrinsics = { focal = [50, 60], size = [40, 30] }",
+        "intrinsics = { focal = [50, 60], principal_point = [-3, 15.5], skew = 0.5, size = [40, 30] }",
+        "panorama = \"latitude-longitude\"",
+    ] {
+        let mut text = EXAMPLE.replacen("vertical_fov_degrees = 40", keys, 1);
+        if keys.starts_with("panorama") {
+            let lines = text.lines().filter(|line| !line.starts_with("focus_distance"));
+            text = lines.map(|line| format!("{line}\n")).collect();
+        }
+        validator.validate(&json_of(&text)).unwrap();
+        Scene::parse(&text, "scene.toml").unwrap();
+    }
+}
+
 /// Keys that name files are accepted: a schema knows nothing of files.
 #[test]
 fn it_accepts_what_names_files() {
@@ -95,6 +114,15 @@ const WRONG: &[(&str, &str)] = &[
     ("width = 1280", "widht = 1280"),
     ("filter = \"box\"", "filter = \"gauss\""),
     ("vertical_fov_degrees = 40", "vertical_fov_degrees = 180"),
+    ("vertical_fov_degrees = 40", ""),
+    ("vertical_fov_degrees = 40", "vertical_fov_degrees = 40\northographic_height = 2"),
+    ("vertical_fov_degrees = 40", "vertical_fov_degrees = 40\npanorama = \"latitude-longitude\""),
+    ("vertical_fov_degrees = 40", "panorama = \"fisheye\""),
+    // The example has the distance of its focus.
+    ("vertical_fov_degrees = 40", "panorama = \"latitude-longitude\""),
+    ("vertical_fov_degrees = 40", "intrinsics = { focal = [50, 50] }"),
+    ("vertical_fov_degrees = 40", "intrinsics = { focal = [50, 0], size = [40, 30] }"),
+    ("vertical_fov_degrees = 40", "orthographic_height = 0"),
     ("position = [0, 1, 4]", "position = [0, 1]"),
     ("position = [0, 1, 4]", ""),
     ("[environment]\ncolor = [0.7, 0.8, 1.0]", "[environment]"),
@@ -152,6 +180,7 @@ fn every_key_is_in_it_with_a_description() {
     }
     let words = "version render camera environment materials shapes width height samples max_depth \
                  seed filter surface_offset position look_at up vertical_fov_degrees \
+                 orthographic_height panorama intrinsics focal principal_point skew \
                  aperture_radius focus_distance color horizon zenith image rotation_degrees \
                  intensity emission_color emission_strength smoothness refractive_index reflection \
                  priority material sphere plane rectangle box mesh center radius point normal \

@@ -17,7 +17,7 @@ mod presets;
 mod view;
 
 use glam::{DQuat, DVec3};
-use raggio_scene::{Camera, Vec3};
+use raggio_scene::{Camera, Projection, Vec3};
 
 pub use bookmarks::{Bookmarks, Transition};
 pub use motion::{Motion, default_speed, step_speed};
@@ -30,6 +30,8 @@ use view::{camera_heading, heading, moved, pitch_of, pitched, turned, vertical};
 const FILLED: f64 = 0.85;
 /// Least factor of one [`dolly`], which approaches to this part of the distance and not beyond.
 const LEAST_FACTOR: f64 = 1e-3;
+/// Half of the angle that [`focus_on`] takes for a panorama's, whose whole picture no sphere could fill.
+const PANORAMIC_HALF_ANGLE: f64 = 0.5;
 /// Least and greatest height of a picture with parallel rays, well within those that a scene may have.
 const LEAST_HEIGHT: f64 = 1e-12;
 const GREATEST_HEIGHT: f64 = 1e12;
@@ -69,7 +71,7 @@ pub fn orbit(camera: &Camera, pivot: Vec3, yaw: f32, pitch: f32) -> Camera {
 /// `dy` down, in heights of the picture. Where rays are parallel all points go as far, whatever the distance.
 pub fn pan(camera: &Camera, dx: f32, dy: f32, distance: f32) -> Camera {
     let Axes { right, up, .. } = axes(camera);
-    let distance = if camera.orthographic_height.is_some() { 1.0 } else { f64::from(distance) };
+    let distance = if camera.orthographic_height().is_some() { 1.0 } else { f64::from(distance) };
     let height = 2.0 * camera.half_height() * distance;
     translate(camera, (up * f64::from(dy) - right * f64::from(dx)) * height)
 }
@@ -80,10 +82,10 @@ pub fn pan(camera: &Camera, dx: f32, dy: f32, distance: f32) -> Camera {
 pub fn dolly(camera: &Camera, factor: f32, pivot: Vec3) -> Camera {
     let factor = f64::from(factor).max(LEAST_FACTOR);
     let pivot = pivot.as_dvec3();
-    if let Some(height) = camera.orthographic_height {
+    if let Some(height) = camera.orthographic_height() {
         let new = (f64::from(height) * factor).clamp(LEAST_HEIGHT, GREATEST_HEIGHT);
         let across = (pivot - camera.position.as_dvec3()).reject_from_normalized(axes(camera).forward);
-        let new = Camera { orthographic_height: Some(new as f32), ..camera.clone() };
+        let new = Camera { projection: Projection::Orthographic { height: new as f32 }, ..camera.clone() };
         return translate(&new, across * (1.0 - new.half_height() / camera.half_height()));
     }
     let scaled = |point: Vec3| pivot + (point.as_dvec3() - pivot) * factor;
@@ -94,7 +96,7 @@ pub fn dolly(camera: &Camera, factor: f32, pivot: Vec3) -> Camera {
 /// looks at its centre and focuses there. Without a positive radius the distance of `look_at` stays. Where rays are
 /// parallel the picture's height is what fits, and the camera stands outside the sphere.
 pub fn focus_on(camera: &Camera, center: Vec3, radius: f32, aspect: f32) -> Camera {
-    if camera.orthographic_height.is_some() {
+    if camera.orthographic_height().is_some() {
         return focus_on_parallel(camera, center, radius, aspect);
     }
     let vertical = half_angle(camera);
@@ -112,18 +114,21 @@ pub fn focus_on(camera: &Camera, center: Vec3, radius: f32, aspect: f32) -> Came
 fn focus_on_parallel(camera: &Camera, center: Vec3, radius: f32, aspect: f32) -> Camera {
     let fitting = 2.0 * f64::from(radius) / FILLED / f64::from(aspect).min(1.0);
     let fits = radius > 0.0 && (LEAST_HEIGHT..=GREATEST_HEIGHT).contains(&fitting);
-    let height = if fits { Some(fitting as f32) } else { camera.orthographic_height };
+    let projection = if fits { Projection::Orthographic { height: fitting as f32 } } else { camera.projection };
     let distance = f64::from(view_distance(camera).max(2.0 * radius));
     let center = center.as_dvec3();
     let mut new = moved(camera, center - axes(camera).forward * distance, center);
-    new.orthographic_height = height;
+    new.projection = projection;
     new.focus_distance = view_distance(&new);
     new
 }
 
 /// Puts the plane in focus through a point: its distance is taken along the viewing direction. A point behind the
-/// camera changes nothing.
+/// camera changes nothing, and a panorama has no plane in focus.
 pub fn set_focus(camera: &Camera, point: Vec3) -> Camera {
+    if camera.is_panoramic() {
+        return camera.clone();
+    }
     let distance = (point.as_dvec3() - camera.position.as_dvec3()).dot(axes(camera).forward) as f32;
     let focus_distance = if distance >= 1e-15 && distance.is_finite() { distance } else { camera.focus_distance };
     Camera { focus_distance, ..camera.clone() }
@@ -149,5 +154,5 @@ fn translate(camera: &Camera, by: DVec3) -> Camera {
 
 /// Half of the vertical field of view.
 fn half_angle(camera: &Camera) -> f64 {
-    f64::from(camera.vertical_fov_degrees).to_radians() / 2.0
+    if camera.is_panoramic() { PANORAMIC_HALF_ANGLE } else { camera.half_height().atan() }
 }

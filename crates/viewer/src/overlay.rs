@@ -1,7 +1,9 @@
 //! Overlay of the picture: the selected shape's box, and the notices.
 
+use std::f64::consts::{PI, TAU};
+
 use egui::{Align2, Area, Color32, Frame, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
-use raggio_scene::{Camera, Vec3};
+use raggio_scene::{Camera, Intrinsics, Projection, Vec3};
 
 use crate::navigation::axes;
 use crate::notices::Kind;
@@ -9,6 +11,9 @@ use crate::viewer::Viewer;
 
 /// Colour around the picture: dark, and without a hue that would tinge what is seen beside it.
 const SURROUND: Color32 = Color32::from_gray(0x1a);
+
+/// Pieces of a line that is bent in a panorama.
+const PIECES: usize = 32;
 
 /// Rectangle of the picture in the room that the panels leave, in points.
 pub fn place(room: Rect, viewer: &Viewer) -> Rect {
@@ -24,7 +29,7 @@ pub fn show(ui: &Ui, room: Rect, area: Rect, viewer: &Viewer) {
     if let Some((low, high)) = viewer.outline {
         let painter = ui.painter().with_clip_rect(area);
         for line in edges(low, high) {
-            if let Some(line) = seen(line, viewer.camera(), area) {
+            for line in pieces(line, viewer.camera()).filter_map(|line| seen(line, viewer.camera(), area)) {
                 painter.line_segment(line, Stroke::new(3.0, Color32::from_black_alpha(120)));
                 painter.line_segment(line, Stroke::new(1.2, Color32::from_rgb(0xff, 0xb0, 0x40)));
             }
@@ -81,8 +86,17 @@ fn edges(low: Vec3, high: Vec3) -> impl Iterator<Item = [Vec3; 2]> {
     })
 }
 
-/// Projects a line of the scene into `area`; `None` if it is behind the camera.
+/// The line in pieces that are straight in the picture.
+fn pieces([a, b]: [Vec3; 2], camera: &Camera) -> impl Iterator<Item = [Vec3; 2]> {
+    let count = if camera.is_panoramic() { PIECES } else { 1 };
+    (0..count).map(move |i| [i, i + 1].map(|end| a.lerp(b, end as f32 / count as f32)))
+}
+
+/// Projects a line of the scene into `area`; `None` if it is behind the camera, or around the edge of a panorama.
 fn seen(line: [Vec3; 2], camera: &Camera, area: Rect) -> Option<[Pos2; 2]> {
+    if camera.is_panoramic() {
+        return seen_around(line, camera, area);
+    }
     let axes = axes(camera);
     let from = camera.position.as_dvec3();
     let near = 1e-3 * f64::from((camera.look_at - camera.position).length());
@@ -94,11 +108,35 @@ fn seen(line: [Vec3; 2], camera: &Camera, area: Rect) -> Option<[Pos2; 2]> {
     // The part behind the camera is cut off.
     let cut = a.lerp(b, (near - depth_a) / (depth_b - depth_a));
     let ends = [if depth_a < near { cut } else { a }, if depth_b < near { cut } else { b }];
-    let scale = f64::from(area.height()) / 2.0 / camera.half_height();
     Some(ends.map(|point| {
         // Nothing grows smaller with the distance where rays are parallel.
-        let depth = if camera.orthographic_height.is_none() { point.dot(axes.forward).max(near) } else { 1.0 };
-        let (x, y) = (point.dot(axes.right) / depth * scale, point.dot(axes.up) / depth * scale);
-        area.center() + vec2(x as f32, -y as f32)
+        let depth = if camera.orthographic_height().is_none() { point.dot(axes.forward).max(near) } else { 1.0 };
+        let [x, y] = in_heights(camera, point.dot(axes.right) / depth, point.dot(axes.up) / depth);
+        area.center() + vec2(x as f32, -y as f32) * area.height()
     }))
+}
+
+/// Place in the picture of what is `x` to the right and `y` up at the distance 1, from the middle and in the picture's
+/// heights.
+fn in_heights(camera: &Camera, x: f64, y: f64) -> [f64; 2] {
+    let Projection::Calibrated(Intrinsics { focal, principal_point, skew, size }) = camera.projection else {
+        return [x, y].map(|at| at / (2.0 * camera.half_height()));
+    };
+    let [[fx, fy], [cx, cy], [width, height]] =
+        [focal, principal_point, size.map(|side| side as f32)].map(|pair| pair.map(f64::from));
+    let u = fx * x - f64::from(skew) * y + cx - 0.5 * width;
+    let v = cy - fy * y - 0.5 * height;
+    [u / height, -v / height]
+}
+
+/// Projects a short line into a panorama.
+fn seen_around(line: [Vec3; 2], camera: &Camera, area: Rect) -> Option<[Pos2; 2]> {
+    let axes = axes(camera);
+    let [a, b] = line.map(|point| {
+        let point = point.as_dvec3() - camera.position.as_dvec3();
+        let [x, y, z] = [axes.right, axes.up, axes.forward].map(|axis| point.dot(axis));
+        let [u, v] = [x.atan2(z) / TAU, y.atan2(x.hypot(z)) / PI];
+        area.center() + vec2(u as f32 * area.width(), -v as f32 * area.height())
+    });
+    ((a.x - b.x).abs() < 0.5 * area.width()).then_some([a, b])
 }

@@ -79,7 +79,9 @@ pub struct Pick {
 impl Tracer {
     /// Loads `scene` for a picture of `full` pixels.
     pub fn new(device: Box<dyn Device>, scene: &Scene, full: [u32; 2]) -> Result<Self, ViewError> {
+        // The background is left out of files alone.
         let mut scene = scene.clone();
+        scene.render.alpha = false;
         [scene.render.width, scene.render.height] = full;
         let device_scene = DeviceScene::new(&scene)?;
         let session = device.load(&device_scene)?;
@@ -143,6 +145,7 @@ impl Tracer {
     /// Changes to another scene, seen from `camera`. An error leaves the old one in place.
     pub fn set_scene(&mut self, scene: &Scene, camera: &Camera) -> Result<(), ViewError> {
         let mut scene = Scene { camera: camera.clone(), ..scene.clone() };
+        scene.render.alpha = false;
         [scene.render.width, scene.render.height] = self.film_size();
         let mut device_scene = self.device_scene.clone();
         device_scene.update(&scene)?;

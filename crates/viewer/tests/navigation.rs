@@ -3,7 +3,7 @@
 use std::f32::consts::{PI, TAU};
 
 use proptest::prelude::*;
-use raggio_scene::{Camera, Choice, Vec3};
+use raggio_scene::{Camera, Choice, Intrinsics, Panorama, Projection, Vec3};
 use raggio_viewer::navigation::*;
 
 fn camera() -> Camera {
@@ -12,13 +12,16 @@ fn camera() -> Camera {
         position,
         look_at,
         up: Vec3::Y,
-        vertical_fov_degrees: 40.0,
-        orthographic_height: None,
+        projection: perspective(40.0),
         aperture_radius: 0.0,
         focus_distance: 0.0,
     };
     camera.focus_distance = view_distance(&camera);
     camera
+}
+
+fn perspective(vertical_fov_degrees: f32) -> Projection {
+    Projection::Perspective { vertical_fov_degrees }
 }
 
 /// A camera with another vertical, tilted and not of unit length.
@@ -28,7 +31,7 @@ fn tilted() -> Camera {
 
 /// A camera whose rays are parallel.
 fn parallel() -> Camera {
-    Camera { orthographic_height: Some(2.5), ..tilted() }
+    Camera { projection: Projection::Orthographic { height: 2.5 }, ..tilted() }
 }
 
 /// Position of a point in the picture, in heights of it from the middle, right and up; and its depth.
@@ -36,10 +39,7 @@ fn project(camera: &Camera, point: Vec3) -> (f64, f64, f64) {
     let Axes { right, up, forward } = axes(camera);
     let towards = point.as_dvec3() - camera.position.as_dvec3();
     let depth = towards.dot(forward);
-    let height = match camera.orthographic_height {
-        Some(height) => f64::from(height),
-        None => depth * 2.0 * (f64::from(camera.vertical_fov_degrees).to_radians() / 2.0).tan(),
-    };
+    let height = 2.0 * camera.half_height() * if camera.orthographic_height().is_some() { 1.0 } else { depth };
     (towards.dot(right) / height, towards.dot(up) / height, depth)
 }
 
@@ -151,18 +151,18 @@ fn a_dolly_scales_the_distance_and_never_passes() {
 fn parallel_rays_are_brought_closer_by_the_pictures_height() {
     let (start, pivot) = (parallel(), Vec3::new(0.5, 0.5, 0.5));
     let end = dolly(&start, 0.5, pivot);
-    assert_eq!(end.orthographic_height, Some(1.25));
+    assert_eq!(end.orthographic_height(), Some(1.25));
     assert_same_place(project(&start, pivot), project(&end, pivot));
     assert!(axes(&end).forward.abs_diff_eq(axes(&start).forward, 1e-6));
     assert_near(view_distance(&end).into(), view_distance(&start).into(), 1e-5);
     let back = dolly(&end, 2.0, pivot);
-    assert_eq!(back.orthographic_height, start.orthographic_height);
+    assert_eq!(back.projection, start.projection);
     assert!(back.position.abs_diff_eq(start.position, 1e-5));
 
     // Without end there is no end either.
     for factor in [0.0, 1e30] {
         let far = (0..100).fold(start.clone(), |camera, _| dolly(&camera, factor, pivot));
-        let height = far.orthographic_height.expect("rays are parallel");
+        let height = far.orthographic_height().expect("rays are parallel");
         assert!(height > 0.0 && height.is_finite() && far.position.is_finite(), "{far:?}");
     }
 
@@ -174,7 +174,7 @@ fn parallel_rays_are_brought_closer_by_the_pictures_height() {
         assert_near(up / f64::from(aspect).min(1.0), 0.85 / 2.0, 1e-3);
         assert!(depth > f64::from(radius), "the sphere is in front of the camera");
     }
-    assert_eq!(focus_on(&start, pivot, 0.0, 1.0).orthographic_height, start.orthographic_height);
+    assert_eq!(focus_on(&start, pivot, 0.0, 1.0).projection, start.projection);
 }
 
 #[test]
@@ -269,24 +269,49 @@ fn speeds_are_positive_whatever_the_scene() {
     assert!(step_speed(1.0, 1e9).is_finite() && step_speed(1.0, -1e9) > 0.0);
 }
 
+/// Cameras of other projections move as others do: what is dragged near the middle follows, and nothing goes lost.
+#[test]
+fn calibrated_cameras_and_panoramas_move() {
+    let intrinsics = Intrinsics { focal: [80.0, 60.0], principal_point: [70.0, 40.0], skew: 0.5, size: [128, 96] };
+    let calibrated = Camera { projection: Projection::Calibrated(intrinsics), ..tilted() };
+    let panorama = Camera { projection: Projection::Panoramic(Panorama::LatitudeLongitude), ..tilted() };
+    for start in [calibrated, panorama] {
+        let pivot = start.look_at;
+        for end in [orbit(&start, pivot, 0.2, 0.1), dolly(&start, 0.5, pivot), pan(&start, 0.1, 0.1, 3.0)] {
+            assert_eq!(end.projection, start.projection);
+            assert_ne!(end.position, start.position);
+        }
+        let fit = focus_on(&start, pivot, 0.7, 1.5);
+        assert!(view_distance(&fit) > 0.7 && fit.projection == start.projection, "{fit:?}");
+        let focused = set_focus(&start, pivot + 0.5 * Vec3::Y);
+        assert_eq!(focused == start, start.is_panoramic(), "a panorama has no plane in focus");
+        assert_eq!(Transition::new(camera(), start.clone()).advance(0.1).projection, start.projection);
+    }
+    // A hundredth of a panorama's height is a hundredth of half a turn.
+    let start = Camera { projection: Projection::Panoramic(Panorama::LatitudeLongitude), ..camera() };
+    let moved = f64::from((pan(&start, 0.01, 0.0, 3.0).position - start.position).length());
+    assert_near(moved, 0.01 * std::f64::consts::PI * 3.0, 1e-5);
+}
+
 #[test]
 fn bookmarks_are_one_to_nine() {
     let mut bookmarks = Bookmarks::default();
     for number in 0..12 {
-        bookmarks.store(number, Camera { vertical_fov_degrees: number as f32, ..camera() });
+        bookmarks.store(number, Camera { projection: perspective(number as f32), ..camera() });
     }
-    let kept = |number| bookmarks.recall(number).map(|camera| camera.vertical_fov_degrees);
-    assert_eq!((kept(0), kept(1), kept(9), kept(10)), (None, Some(1.0), Some(9.0), None));
+    let kept = |number| bookmarks.recall(number).map(|camera| camera.projection);
+    assert_eq!((kept(0), kept(1), kept(9), kept(10)), (None, Some(perspective(1.0)), Some(perspective(9.0)), None));
 }
 
 #[test]
 fn a_transition_is_smooth_and_arrives() {
-    let to = Camera { vertical_fov_degrees: 60.0, ..orbit(&camera(), Vec3::ZERO, 2.0, 0.3) };
+    let to = Camera { projection: perspective(60.0), ..orbit(&camera(), Vec3::ZERO, 2.0, 0.3) };
     let mut slow = Transition::new(camera(), to.clone());
     let mut fast = slow.clone();
     assert_eq!(slow.camera().position, camera().position);
     let halfway = slow.advance(0.125);
-    assert_near(halfway.vertical_fov_degrees.into(), 50.0, 1e-4);
+    let Projection::Perspective { vertical_fov_degrees } = halfway.projection else { panic!("{halfway:?}") };
+    assert_near(vertical_fov_degrees.into(), 50.0, 1e-4);
     for _ in 0..125 {
         fast.advance(0.001);
     }
@@ -294,8 +319,8 @@ fn a_transition_is_smooth_and_arrives() {
     assert!(!slow.is_done());
     assert_eq!((slow.advance(1.0), slow.is_done()), (to, true));
 
-    let [low, high] = [1.0, 3.0].map(|height| Camera { orthographic_height: Some(height), ..camera() });
-    let height = Transition::new(low, high).advance(0.125).orthographic_height.expect("rays are parallel");
+    let [low, high] = [1.0, 3.0].map(|height| Camera { projection: Projection::Orthographic { height }, ..camera() });
+    let height = Transition::new(low, high).advance(0.125).orthographic_height().expect("rays are parallel");
     assert_near(height.into(), 2.0, 1e-5);
 }
 

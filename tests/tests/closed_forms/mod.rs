@@ -11,6 +11,7 @@ mod lamps;
 mod lens;
 mod mirrors;
 mod overlap;
+mod panorama;
 
 use glam::DVec3;
 use raggio_scene::Scene;
@@ -53,9 +54,11 @@ impl View {
         // Up is any direction across the view.
         let up = if (*look_at - *position).normalize().y.abs() > 0.9 { DVec3::NEG_Z } else { DVec3::Y };
         let [position, look_at, up] = [*position, *look_at, up].map(array);
+        let has_projection = ["orthographic_height", "panorama"].iter().any(|key| camera.contains(key));
+        let fov = if has_projection { String::new() } else { format!("vertical_fov_degrees = {fov_degrees}") };
         parse(&format!(
             "[render]\nwidth = {width}\nheight = {height}\nmax_depth = {max_depth}\n{render}
-             [camera]\nposition = {position}\nlook_at = {look_at}\nup = {up}\nvertical_fov_degrees = {fov_degrees}
+             [camera]\nposition = {position}\nlook_at = {look_at}\nup = {up}\n{fov}
              {camera}
              {rest}"
         ))

@@ -29,7 +29,7 @@ fn two_bands_are_displayed_as_one_picture() {
          vertical_fov_degrees = 60\n[environment]\nhorizon = [1, 0.5, 0.2]\nzenith = [0.1, 0.3, 0.9]\n",
     );
     let row = |y: u32| vec![[y as f32 / 1200.0, 0.5, 1.0 - y as f32 / 1200.0]; 1500];
-    let reference = Image { width: 1500, height: 1200, pixels: (0..1200).flat_map(row).collect() };
+    let reference = Image { width: 1500, height: 1200, pixels: (0..1200).flat_map(row).collect(), alpha: None };
     let display = Display { comparison: Comparison::Split, split: 700, ..Display::default() };
     let show = |device: &dyn Device| {
         let mut session = load(device, &scene);

@@ -1,5 +1,7 @@
 //! Functions of the kernels without randomness, against their definitions in double precision.
 
+use std::f64::consts::{PI, TAU};
+
 use glam::{DMat3, DVec3};
 use raggio_render::{Probe, ToneMapper};
 use raggio_tests::{Pcg, TestDevice, for_each_device, parse};
@@ -127,25 +129,65 @@ fn tone_mappers_keep_to_what_a_display_shows() {
 /// Rays go through the corners and the middle of the picture, from a camera that is turned, tilted and not square.
 #[test]
 fn pixels_become_rays() {
-    let scene = parse(
-        "[camera]\nposition = [1, 2, 3]\nlook_at = [-4, 1, 7]\nup = [0.2, 1, 0.1]\nvertical_fov_degrees = 50\n\
+    let half = 25f64.to_radians().tan();
+    rays_are("vertical_fov_degrees = 50", |x, y| {
+        DVec3::new(half * 320.0 / 180.0 * (x / 160.0 - 1.0), half * (1.0 - y / 90.0), 1.0)
+    });
+}
+
+/// Rays of a measured camera are those that its matrix projects to the pixel; a picture of another size has it in
+/// proportion, and more to the sides.
+#[test]
+fn pixels_become_rays_by_intrinsics() {
+    let projected = |x: f64, y: f64, [fx, fy]: [f64; 2], [cx, cy]: [f64; 2], skew: f64| {
+        let down = (y - cy) / fy;
+        DVec3::new((x - cx - skew * down) / fx, -down, 1.0)
+    };
+    let keys = "intrinsics = { focal = [250, 300], principal_point = [100.5, 120.25], skew = 12, size = [320, 180] }";
+    rays_are(keys, |x, y| projected(x, y, [250.0, 300.0], [100.5, 120.25], 12.0));
+    let keys = "intrinsics = { focal = [125, 150], principal_point = [50.25, 60.125], skew = 6, size = [160, 90] }";
+    rays_are(keys, |x, y| projected(x, y, [250.0, 300.0], [100.5, 120.25], 12.0));
+    // A square picture of 90 pixels is 180 high; what is 70 to either side is added.
+    let keys = "intrinsics = { focal = [125, 150], principal_point = [50, 60], skew = 6, size = [90, 90] }";
+    rays_are(keys, |x, y| projected(x, y, [250.0, 300.0], [100.0 + 70.0, 120.0], 12.0));
+    // The middle is where a picture has it that says nothing.
+    let focal = 90.0 / 25f64.to_radians().tan();
+    let keys = format!("intrinsics = {{ focal = [{focal}, {focal}], size = [320, 180] }}");
+    rays_are(&keys, |x, y| projected(x, y, [focal; 2], [160.0, 90.0], 0.0));
+}
+
+/// Rays of a panorama go around from left to right, and from straight up to straight down.
+#[test]
+fn pixels_become_rays_all_around() {
+    rays_are("panorama = \"latitude-longitude\"", |x, y| {
+        let (longitude, latitude) = (TAU * (x / 320.0 - 0.5), PI * (0.5 - y / 180.0));
+        DVec3::new(latitude.cos() * longitude.sin(), latitude.sin(), latitude.cos() * longitude.cos())
+    });
+}
+
+/// Asserts that the rays of a camera with these keys go where `expected` says, from points in pixels of a picture of 320 x
+/// 180, along right, up and forward.
+fn rays_are(keys: &str, expected: impl Fn(f64, f64) -> DVec3 + Sync) {
+    let scene = parse(&format!(
+        "[camera]\nposition = [1, 2, 3]\nlook_at = [-4, 1, 7]\nup = [0.2, 1, 0.1]\n{keys}\n\
          [render]\nwidth = 320\nheight = 180\n",
-    );
+    ));
     let forward = (DVec3::new(-4.0, 1.0, 7.0) - DVec3::new(1.0, 2.0, 3.0)).normalize();
     let right = forward.cross(DVec3::new(0.2, 1.0, 0.1)).normalize();
     let up = right.cross(forward);
-    let half = 25f64.to_radians().tan();
     for_each_device(|device| {
-        for (x, y) in [(0.0, 0.0), (320.0, 0.0), (0.0, 180.0), (320.0, 180.0), (160.0, 90.0), (10.5, 100.25)] {
-            let across = half * 320.0 / 180.0 * (x / 160.0 - 1.0);
-            let expected = (forward + across * right + half * (1.0 - y / 90.0) * up).normalize();
+        for (x, y) in
+            [(0.0, 0.0), (320.0, 0.0), (0.0, 180.0), (320.0, 180.0), (160.0, 90.0), (10.5, 100.25), (-1.5, 183.0)]
+        {
+            let [along_right, along_up, along] = expected(x, y).to_array();
+            let expected = (along * forward + along_right * right + along_up * up).normalize();
             let question = [[x as f32, y as f32, 320.0, 180.0], [0.0; 4], [0.0; 4]];
             let answer = device.ask(&scene, Probe::Camera, &[question])[0];
             let origin = glam::Vec3::from_slice(&answer[0]);
             let direction = glam::Vec3::from_slice(&answer[1]).as_dvec3();
             assert_eq!(origin, glam::Vec3::new(1.0, 2.0, 3.0), "{}: pinhole rays start at the eye", device.label);
             let error = (direction - expected).length();
-            assert!(error < 1e-6, "{}, pixel ({x}, {y}): expected {expected}, found {direction}", device.label);
+            assert!(error < 2e-6, "{}, {keys}, pixel ({x}, {y}): {direction}, not {expected}", device.label);
         }
     });
 }

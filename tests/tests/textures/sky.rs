@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3, Vec3};
 use raggio_render::{DeviceScene, Probe, Question};
-use raggio_scene::{Bitmap, Environment, Scene, Texels, Texture, Wrap};
+use raggio_scene::{Bitmap, Environment, Filter, Panorama, Projection, Scene, Texels, Texture, Wrap};
 use raggio_tests::render::means;
 use raggio_tests::{Pcg, TestDevice, for_each_device, render};
 
@@ -173,6 +173,27 @@ fn the_sphere_sees_the_images_integral() {
     });
 }
 
+/// A panorama of the sky alone is the sky's own image, and turned as it is.
+#[test]
+fn panoramas_show_it() {
+    let image = bright(16, 8);
+    let Texels::Rgb32F(colors) = &image.texels else { panic!("an image of floats") };
+    for_each_device(|device| {
+        for turned in [0, 5] {
+            let mut scene = under(&image, 22.5 * turned as f32, 1.0);
+            (scene.render.width, scene.render.height) = (16, 8);
+            scene.render.filter = Filter::Point;
+            scene.camera.projection = Projection::Panoramic(Panorama::LatitudeLongitude);
+            for (i, found) in means(&render(device.device, &scene, 1)).into_iter().enumerate() {
+                let (x, y) = (i % 16, i / 16);
+                // Counter-clockwise from above is to the left.
+                let expected = Vec3::from(colors[y * 16 + (x + turned) % 16]).as_dvec3();
+                assert!((found - expected).abs().max_element() < 1e-4, "{}: {found}, not {expected}", device.label);
+            }
+        }
+    });
+}
+
 /// Rays of a camera that meet nothing see the sky: in the picture's middle the image's.
 #[test]
 fn cameras_see_it() {
@@ -184,7 +205,7 @@ fn cameras_see_it() {
         for (degrees, color) in [135.0f32, 45.0, -45.0, -135.0].into_iter().zip(colors) {
             let mut scene = under(&image, -degrees, 0.25);
             (scene.render.width, scene.render.height) = (4, 4);
-            scene.camera.vertical_fov_degrees = 1e-3;
+            scene.camera.projection = Projection::Perspective { vertical_fov_degrees: 1e-3 };
             for found in means(&render(device.device, &scene, 64)) {
                 let expected = 0.25 * Vec3::from(color).as_dvec3();
                 assert!((found - expected).abs().max_element() < 1e-3, "{}: {found} for {expected}", device.label);

@@ -11,7 +11,7 @@ fn gradient(width: u32, height: u32) -> Image {
     let pixels = (0..height).flat_map(|y| {
         (0..width).map(move |x| [x as f32 / width as f32, y as f32 / height as f32, 1.5 * (x + y) as f32 / 100.0])
     });
-    Image { width, height, pixels: pixels.collect() }
+    Image { width, height, pixels: pixels.collect(), alpha: None }
 }
 
 fn display(comparison: Comparison) -> Display {

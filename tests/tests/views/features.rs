@@ -9,7 +9,7 @@ use raggio_tests::{for_each_device, parse, render};
 
 use crate::views::still_life;
 
-const FEATURES: [Feature; 8] = [
+const FEATURES: [Feature; 9] = [
     Feature::Hit,
     Feature::Albedo,
     Feature::Normal,
@@ -18,6 +18,7 @@ const FEATURES: [Feature; 8] = [
     Feature::Position,
     Feature::Object,
     Feature::Material,
+    Feature::Coverage,
 ];
 
 /// Rays through the middles of all pixels, and the answers of what they meet.
@@ -40,7 +41,7 @@ fn first_three(v: [f32; 4]) -> DVec3 {
 fn expected(feature: Feature, scene: &Scene, direction: DVec3, hit: &Answer) -> DVec3 {
     let [distance, place, number, _] = hit[0];
     if distance < 0.0 {
-        return DVec3::ZERO;
+        return if feature == Feature::Coverage { DVec3::Y } else { DVec3::ZERO };
     }
     let distance = f64::from(distance);
     let forward = (scene.camera.look_at - scene.camera.position).as_dvec3().normalize();
@@ -56,6 +57,7 @@ fn expected(feature: Feature, scene: &Scene, direction: DVec3, hit: &Answer) -> 
         Feature::Position => first_three(hit[1]),
         Feature::Object => DVec3::splat(f64::from(place) + 1.0),
         Feature::Material => DVec3::splat(f64::from(number) + 1.0),
+        Feature::Coverage => DVec3::new(1.0, 1.0, 0.0),
         Feature::GuideAlbedo | Feature::GuideNormal => unreachable!("guides look further"),
     }
 }
@@ -138,6 +140,7 @@ fn hidden_boundaries_are_looked_through() {
                     Feature::Position => 3.0 * direction,
                     Feature::Object => DVec3::splat(wall + 1.0),
                     Feature::Material => DVec3::splat(3.0),
+                    Feature::Coverage => DVec3::new(1.0, 1.0, 0.0),
                     Feature::GuideAlbedo | Feature::GuideNormal => unreachable!("guides are tested alone"),
                 };
                 let error = relative_difference(found[place], expected);

@@ -124,6 +124,43 @@ wait export
     assert!(bytes("live.png") == bytes("again.png"), "the PNGs differ");
 }
 
+/// Scenes with an alpha channel, of whatever camera, are flown through with their background, and exported without.
+#[test]
+fn exports_have_an_alpha_channel() {
+    if !can_draw() {
+        return;
+    }
+    for camera in [
+        "vertical_fov_degrees = 40",
+        "intrinsics = { focal = [50, 60], principal_point = [18, 10], skew = 1, size = [40, 30] }",
+        "panorama = \"latitude-longitude\"",
+    ] {
+        let desk = Desk::new(
+            &SCENE.replace("[camera]", "[render]\nalpha = true\n[camera]").replace("vertical_fov_degrees = 40", camera),
+        );
+        let script = "\
+wait 1 samples
+click left 100,60
+orbit 30 over 3 frames
+stop-at 3
+wait 3 samples
+save saved.toml
+export other.exr 50x40 2
+wait export
+export other.png 50x40 2
+wait export
+";
+        desk.play(script, &["--device", "cpu", "--size", "420x120"], None);
+        desk.render("saved.toml", "again.exr", "cpu", (50, 40), 2);
+        let saved = std::fs::read_to_string(desk.path("saved.toml")).expect("a scene");
+        assert!(saved.contains(camera) && saved.contains("alpha = true"), "{saved}");
+        assert_same_picture(&desk.path("other.exr"), &desk.path("again.exr"));
+        desk.render("saved.toml", "again.png", "cpu", (50, 40), 2);
+        let read = |name: &str| std::fs::read(desk.path(name)).expect("a file");
+        assert!(read("other.png") == read("again.png"), "the PNGs differ");
+    }
+}
+
 #[test]
 fn clicks_choose_shapes_and_leave_the_camera_where_it_is() {
     if !can_draw() {

@@ -42,6 +42,21 @@ impl Blocks {
         (words.len() == empty.words.len()).then_some(Self { words, ..empty })
     }
 
+    /// Blocks of which all rest but those with pixels, in these rows, that `is_active` is true of; pixels are counted row by
+    /// row from the top left.
+    pub(crate) fn resting_but(width: u32, height: u32, rows: Range<u32>, is_active: impl Fn(usize) -> bool) -> Self {
+        let mut blocks = Self::new(width, height);
+        blocks.words.fill(u32::MAX);
+        let columns = blocks.columns();
+        for y in rows {
+            for x in (0..width).filter(|x| is_active((y * width + x) as usize)) {
+                let block = y / BLOCK * columns + x / BLOCK;
+                blocks.words[block as usize / 32] &= !(1 << (block % 32));
+            }
+        }
+        blocks
+    }
+
     /// Bits of the blocks, row by row, 32 to a word, lowest first, as the kernels read them: 1 where a block rests.
     pub fn words(&self) -> &[u32] {
         &self.words

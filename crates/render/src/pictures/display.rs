@@ -1,5 +1,6 @@
 //! Display of films: exposure, tone mapping, views and comparison.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use raggio_kernels::cpu::{Buffers, InstructionSet, dispatch};
@@ -83,6 +84,51 @@ pub(crate) fn display_rows(
     let rows = (film.len() / width as usize) as u32;
     let work = display.apply(Work { width, height: rows, rows, ..Work::default() }, !reference.is_empty());
     dispatch(set, EntryPoint::Display, None, &work, Buffers { film, output, input: reference, ..Buffers::default() });
+}
+
+/// A picture as displays show it: colours of sRGB and, where it has one, its alpha, which no curve bends. Colours are those of
+/// what is covered, whatever its part of the pixel.
+pub(crate) struct Shown<T> {
+    pub colors: Vec<[T; 3]>,
+    pub alpha: Option<Vec<T>>,
+}
+
+/// A film's picture of 256 steps to a channel.
+pub(crate) fn shown(film: &Film, display: Display) -> Shown<u8> {
+    let (film, alpha) = straight(film);
+    let color = |pixel: u32| [0, 8, 16].map(|shift| (pixel >> shift) as u8);
+    let colors = displayed(&film, display).into_iter().map(color).collect();
+    Shown { colors, alpha: alpha.map(|alpha| alpha.iter().map(|alpha| (alpha * 255.0).round() as u8).collect()) }
+}
+
+impl<T: Copy> Shown<T> {
+    /// Red, green, blue and, where there is one, alpha of each pixel.
+    pub fn values(&self) -> Vec<T> {
+        match &self.alpha {
+            None => self.colors.as_flattened().to_vec(),
+            Some(alpha) => self.colors.iter().zip(alpha).flat_map(|(&[r, g, b], alpha)| [r, g, b, *alpha]).collect(),
+        }
+    }
+}
+
+/// A picture as bytes of sRGB: red, green, blue and, where it has one, alpha of each pixel, row by row from the top left.
+pub fn show_bytes(image: &Image, display: Display) -> Vec<u8> {
+    shown(&Film::from_image(image), Display { view: View::Radiance, ..display }).values()
+}
+
+/// A film's picture of 65536 steps to a channel.
+pub(crate) fn shown_16_bits(film: &Film, display: Display) -> Shown<u16> {
+    let (film, alpha) = straight(film);
+    let colors = displayed_16_bits(&film, display);
+    Shown { colors, alpha: alpha.map(|alpha| alpha.iter().map(|alpha| (alpha * 65535.0).round() as u16).collect()) }
+}
+
+/// The film whose colours are to be shown, and its alpha.
+fn straight(film: &Film) -> (Cow<'_, Film>, Option<Vec<f32>>) {
+    match film.alpha() {
+        None => (Cow::Borrowed(film), None),
+        Some(alpha) => (Cow::Owned(Film::from_image(&film.mean().straight())), Some(alpha)),
+    }
 }
 
 /// A picture as displayable pixels; its view is [`View::Radiance`].

@@ -22,6 +22,7 @@ pub struct Film {
     height: u32,
     pixels: Vec<FilmPixel>,
     label: Option<Label>,
+    coverage: Option<Box<Film>>,
 }
 
 /// Memory that the film of an image takes, in bytes.
@@ -41,7 +42,7 @@ impl Film {
     /// A panic unless there are `width` times `height` pixels.
     pub fn from_pixels(width: u32, height: u32, pixels: Vec<FilmPixel>) -> Self {
         assert_eq!(pixels.len(), width as usize * height as usize);
-        Self { width, height, pixels, label: None }
+        Self { width, height, pixels, label: None, coverage: None }
     }
 
     /// Film that shows `image`: a sample a pixel; without a label.
@@ -50,7 +51,43 @@ impl Film {
             let [red, green, blue] = rgb.map(|channel| FixedSum::of(f64::from(channel)));
             FilmPixel { red, green, blue, samples: 1, ..FilmPixel::default() }
         };
-        Self::from_pixels(image.width, image.height, image.pixels.iter().map(pixel).collect())
+        let film = Self::from_pixels(image.width, image.height, image.pixels.iter().map(pixel).collect());
+        let covered = |alpha: &f32| pixel(&[*alpha, 1.0, 0.0]);
+        let coverage = image.alpha.as_ref().map(|alpha| alpha.iter().map(covered).collect());
+        film.with_coverage(coverage.map(|pixels| Self::from_pixels(image.width, image.height, pixels)))
+    }
+
+    /// The film with that of [`Feature::Coverage`](crate::Feature::Coverage) of the same samples, or without one.
+    ///
+    /// # Panics
+    /// A panic unless both are of one size.
+    pub fn with_coverage(self, coverage: Option<Self>) -> Self {
+        assert!(coverage.iter().all(|coverage| (coverage.width, coverage.height) == (self.width, self.height)));
+        Self { coverage: coverage.map(Box::new), ..self }
+    }
+
+    /// Film of coverage, if the picture has an alpha channel.
+    pub fn coverage(&self) -> Option<&Self> {
+        self.coverage.as_deref()
+    }
+
+    /// Whether the film is of a picture that should have an alpha channel, and has none: it was not finished, or had one that
+    /// was not added to it.
+    pub fn lacks_coverage(&self) -> bool {
+        let has_alpha = |label: &Label| label.settings().any(|setting| setting == ("alpha", "true"));
+        self.coverage.is_none() && self.label.as_ref().is_some_and(has_alpha)
+    }
+
+    /// Alpha of each pixel, 0 to 1: the part of it that is covered by what the camera sees first. `None` for pictures with
+    /// their background.
+    pub fn alpha(&self) -> Option<Vec<f32>> {
+        // Weights of the samples come to 1 in the mean of all pixels, and not in each; their quotient is that of the
+        // covered ones.
+        let alpha = |pixel: &FilmPixel| match pixel.mean() {
+            [covered, all, _] if all != 0.0 => (covered / all).clamp(0.0, 1.0) as f32,
+            [covered, ..] => covered.clamp(0.0, 1.0) as f32,
+        };
+        self.coverage.as_ref().map(|coverage| coverage.pixels.iter().map(alpha).collect())
     }
 
     /// The film with `label`, which says what it is of.
@@ -97,7 +134,7 @@ impl Film {
     /// # Errors
     /// A [`MergeError`] when labels show that the films are of different pictures, or have samples in common; when one
     /// film alone has a label; when sizes differ. This film stays as it was then. Films without labels are the caller's
-    /// responsibility.
+    /// responsibility. Coverage is kept where both have it.
     pub fn merge(&mut self, other: &Film) -> Result<(), MergeError> {
         if (self.width, self.height) != (other.width, other.height) {
             return Err(MergeError::Size([self.width, self.height], [other.width, other.height]));
@@ -110,13 +147,17 @@ impl Film {
         for (into, from) in self.pixels.iter_mut().zip(&other.pixels) {
             into.merge(from);
         }
+        match (&mut self.coverage, &other.coverage) {
+            (Some(coverage), Some(other)) => coverage.merge(other)?,
+            _ => self.coverage = None,
+        }
         Ok(())
     }
 
-    /// Mean radiance of each pixel; black where there is no sample.
+    /// Mean radiance of each pixel, with its alpha if it has one; black where there is no sample.
     pub fn mean(&self) -> Image {
         let pixels = self.pixels.iter().map(|pixel| pixel.mean().map(|channel| channel as f32)).collect();
-        Image { width: self.width, height: self.height, pixels }
+        Image { width: self.width, height: self.height, pixels, alpha: self.alpha() }
     }
 
     /// Number of samples in all pixels together.

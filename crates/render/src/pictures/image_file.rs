@@ -7,7 +7,7 @@ use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, WritableImage};
 use raggio_scene::display_name;
 
 use crate::pictures::aov::{Channel, Values};
-use crate::pictures::display::{Display, displayed, displayed_16_bits};
+use crate::pictures::display::{Display, Shown, shown, shown_16_bits};
 use crate::pictures::film::Film;
 use crate::pictures::format::PictureFormat;
 use crate::pictures::linear_image::Image;
@@ -141,12 +141,8 @@ impl ImageFile {
         let mut bytes = io::Cursor::new(Vec::new());
         let size = [film.width(), film.height()];
         let encoded = match (self.format, self.png_bits) {
-            (PictureFormat::Png, PngBits::Eight) => {
-                encode_8_bits(size, bytemuck::cast_slice(&displayed(film, display)), &mut bytes)
-            }
-            (PictureFormat::Png, PngBits::Sixteen) => {
-                encode_16_bits(size, &displayed_16_bits(film, display), &mut bytes)
-            }
+            (PictureFormat::Png, PngBits::Eight) => encode_8_bits(size, &shown(film, display), &mut bytes),
+            (PictureFormat::Png, PngBits::Sixteen) => encode_16_bits(size, &shown_16_bits(film, display), &mut bytes),
             (PictureFormat::Exr, _) => write_exr(&film.mean(), extras, &mut bytes),
             (PictureFormat::Film, _) => {
                 let written = self.file.write_with(&|to| film.write_to(to, &[]));
@@ -173,7 +169,9 @@ impl ImageFile {
 /// An [`OutputError`] when the file cannot be written.
 pub fn write_png(path: &Path, size: [u32; 2], pixels: &[u8]) -> Result<(), OutputError> {
     let mut bytes = Vec::new();
-    let outcome = encode_8_bits(size, pixels, &mut bytes).and_then(|()| write_whole(path, &bytes));
+    let opaque =
+        Shown { colors: pixels.chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect(), alpha: None };
+    let outcome = encode_8_bits(size, &opaque, &mut bytes).and_then(|()| write_whole(path, &bytes));
     outcome.map_err(|source| OutputError::Unwritable { path: path.into(), source })
 }
 
@@ -183,8 +181,7 @@ pub fn write_png(path: &Path, size: [u32; 2], pixels: &[u8]) -> Result<(), Outpu
 /// When the picture is larger than a PNG may be.
 pub fn encode_png(image: &Image, display: Display) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    let pixels = displayed(&Film::from_image(image), display);
-    encode_8_bits([image.width, image.height], bytemuck::cast_slice(&pixels), &mut bytes)?;
+    encode_8_bits([image.width, image.height], &shown(&Film::from_image(image), display), &mut bytes)?;
     Ok(bytes)
 }
 
@@ -192,6 +189,7 @@ fn write_exr(mean: &Image, extras: &Extras, to: &mut io::Cursor<Vec<u8>>) -> io:
     let (width, height) = (mean.width as usize, mean.height as usize);
     let color = |i: usize| FlatSamples::F32(mean.pixels.iter().map(|pixel| pixel[i]).collect());
     let colors = ["R", "G", "B"].into_iter().enumerate().map(|(i, name)| AnyChannel::new(name, color(i)));
+    let alpha = mean.alpha.iter().map(|alpha| AnyChannel::new("A", FlatSamples::F32(alpha.clone())));
     let others = extras.channels.iter().map(|channel| {
         let samples = match &channel.values {
             Values::F32(values) => FlatSamples::F32(values.clone()),
@@ -199,7 +197,7 @@ fn write_exr(mean: &Image, extras: &Extras, to: &mut io::Cursor<Vec<u8>>) -> io:
         };
         AnyChannel::new(channel.name.as_str(), samples)
     });
-    let channels = AnyChannels::sort(colors.chain(others).collect());
+    let channels = AnyChannels::sort(colors.chain(alpha).chain(others).collect());
     let mut image = exr::prelude::Image::from_channels((width, height), channels);
     let attributes = &mut image.layer_data.attributes;
     attributes.software_name = Some(concat!("raggio ", env!("CARGO_PKG_VERSION")).into());

@@ -149,7 +149,7 @@ fn read_exr(mut file: BufReader<File>) -> Result<Image, Fault> {
         .from_buffered(file)?;
     let size = image.layer_data.size;
     let (_, pixels) = image.layer_data.channel_data.pixels;
-    Ok(Image { width: size.width() as u32, height: size.height() as u32, pixels })
+    Ok(Image { width: size.width() as u32, height: size.height() as u32, pixels, alpha: None })
 }
 
 fn read_png(file: BufReader<File>) -> Result<Image, Fault> {
@@ -159,7 +159,7 @@ fn read_png(file: BufReader<File>) -> Result<Image, Fault> {
     let rgb = image::DynamicImage::from_decoder(decoder)?.into_rgb16();
     let pixels =
         rgb.pixels().map(|pixel| pixel.0.map(|value| srgb_decode(f64::from(value) / 65535.0) as f32)).collect();
-    Ok(Image { width, height, pixels })
+    Ok(Image { width, height, pixels, alpha: None })
 }
 
 /// The inverse of the sRGB transfer function (IEC 61966-2-1).

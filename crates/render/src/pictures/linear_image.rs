@@ -7,12 +7,24 @@ pub struct Image {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Radiance of the pixels: red, green and blue, with Rec. 709 primaries.
+    /// Radiance of the pixels: red, green and blue, with Rec. 709 primaries. It is that of what is covered alone, times
+    /// its part of the pixel, where there is an alpha.
     pub pixels: Vec<[f32; 3]>,
+    /// Part of each pixel that is covered, 0 to 1; `None` for a picture with its background.
+    pub alpha: Option<Vec<f32>>,
 }
 
 impl Image {
-    /// Picture resized to `width` x `height` pixels: each is the mean of what it covers, so the mean of all stays.
+    /// Picture whose pixels have the radiance of what is covered in them, whatever their alpha, and black where nothing is.
+    pub fn straight(&self) -> Self {
+        let Some(alpha) = &self.alpha else { return self.clone() };
+        let of_covered = |(pixel, alpha): (&[f32; 3], &f32)| {
+            if *alpha > 0.0 { pixel.map(|channel| channel / alpha) } else { [0.0; 3] }
+        };
+        Self { pixels: self.pixels.iter().zip(alpha).map(of_covered).collect(), ..self.clone() }
+    }
+
+    /// Picture resized to `width` x `height` pixels: each is the mean of what it covers, so the mean of all stays. Without its alpha.
     pub fn resized(&self, width: u32, height: u32) -> Self {
         let (columns, rows) = (covered(self.width, width), covered(self.height, height));
         let pixel = |row: &Covered, column: &Covered| {
@@ -27,7 +39,7 @@ impl Image {
             sum.map(|channel| channel as f32)
         };
         let pixels = rows.iter().flat_map(|row| columns.iter().map(move |column| pixel(row, column))).collect();
-        Self { width, height, pixels }
+        Self { width, height, pixels, alpha: None }
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use exr::prelude::{AttributeValue, LayerAttributes, Text};
 use glam::{DMat4, DVec4};
-use raggio_scene::{Camera, RenderSettings, Scene};
+use raggio_scene::{Camera, Intrinsics, Projection, RenderSettings, Scene};
 
 use crate::pictures::film::{Film, Note};
 
@@ -35,8 +35,10 @@ pub struct Metadata {
     version: String,
     /// Settings as EXRs name them, and their values.
     settings: Vec<(&'static str, String)>,
-    /// `worldToCamera` and `worldToNDC`, as OpenEXR defines them; `None` where nobody knows.
-    camera: Option<[[f32; 16]; 2]>,
+    /// `worldToCamera`, as OpenEXR defines it; `None` where nobody knows.
+    camera: Option<[f32; 16]>,
+    /// `worldToNDC`, as OpenEXR defines it; `None` where nobody knows, and for panoramas.
+    ndc: Option<[f32; 16]>,
 }
 
 impl Metadata {
@@ -53,7 +55,8 @@ impl Metadata {
             denoiser: None,
             version: env!("CARGO_PKG_VERSION").into(),
             settings: SETTINGS.iter().map(|(_, name)| *name).zip(values).collect(),
-            camera: Some([camera_from_world, view.ndc_from_camera() * camera_from_world].map(row_vectors)),
+            camera: Some(row_vectors(camera_from_world)),
+            ndc: view.ndc_from_camera().map(|ndc_from_camera| row_vectors(ndc_from_camera * camera_from_world)),
         }
     }
 
@@ -63,38 +66,34 @@ impl Metadata {
         let setting = |(key, name): &(&str, &'static str)| {
             label.settings().find(|(known, _)| known == key).map(|(_, value)| (*name, value.to_owned()))
         };
-        let matrix = |name: &str| label.note(name).and_then(|bytes| bytemuck::try_pod_read_unaligned(bytes).ok());
-        let camera = matrix(WORLD_TO_CAMERA).zip(matrix(WORLD_TO_NDC));
+        let matrix = |name: &str| {
+            let words: [u32; 16] = bytemuck::try_pod_read_unaligned(label.note(name)?).ok()?;
+            Some(words.map(|word| f32::from_bits(u32::from_le(word))))
+        };
         Some(Self {
             scene: String::from_utf8_lossy(label.note(SCENE).unwrap_or_default()).into_owned(),
             samples: film.most_samples(),
             denoiser: None,
             version: label.version().into(),
             settings: SETTINGS.iter().filter_map(setting).collect(),
-            camera: camera.map(|(camera, ndc): ([u32; 16], [u32; 16])| {
-                [camera, ndc].map(|matrix| matrix.map(|word| f32::from_bits(u32::from_le(word))))
-            }),
+            camera: matrix(WORLD_TO_CAMERA),
+            ndc: matrix(WORLD_TO_NDC),
         })
     }
 
     /// Notes for a film, from which [`Metadata::of_film`] knows what its label does not say.
     pub(crate) fn notes(&self) -> Vec<Note> {
         let bytes = |matrix: &[f32; 16]| matrix.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<_>>();
-        let mut notes = vec![Note::new(SCENE, self.scene.as_bytes())];
-        if let Some([camera, ndc]) = &self.camera {
-            notes.push(Note::new(WORLD_TO_CAMERA, bytes(camera)));
-            notes.push(Note::new(WORLD_TO_NDC, bytes(ndc)));
-        }
-        notes
+        let matrices = [(WORLD_TO_CAMERA, &self.camera), (WORLD_TO_NDC, &self.ndc)];
+        let matrices = matrices.into_iter().filter_map(|(name, matrix)| Some(Note::new(name, bytes(matrix.as_ref()?))));
+        std::iter::once(Note::new(SCENE, self.scene.as_bytes())).chain(matrices).collect()
     }
 
     /// Writes the metadata into the header of a layer.
     pub(crate) fn describe(&self, attributes: &mut LayerAttributes) {
         attributes.software_name = Some(format!("raggio {}", self.version).as_str().into());
-        if let Some([camera, ndc]) = self.camera {
-            attributes.world_to_camera = Some(camera);
-            attributes.world_to_normalized_device = Some(ndc);
-        }
+        attributes.world_to_camera = self.camera;
+        attributes.world_to_normalized_device = self.ndc;
         // OpenEXR's texts are UTF-8; the library would make Latin-1 of them.
         let text = |value: &str| AttributeValue::Text(Text::from_slice_unchecked(value.as_bytes()));
         let mut other: HashMap<&str, AttributeValue> =
@@ -123,14 +122,30 @@ impl View<'_> {
         DMat4::from_cols(right.extend(0.0), up.extend(0.0), forward.extend(0.0), eye.extend(1.0)).inverse()
     }
 
-    /// Map from the camera to the picture, whose top left corner is (0, 0) and whose bottom right one is (1, 1).
-    fn ndc_from_camera(&self) -> DMat4 {
+    /// Map from the camera to the picture, whose top left corner is (0, 0) and whose bottom right one is (1, 1); `None` for a
+    /// panorama, which no matrix maps.
+    fn ndc_from_camera(&self) -> Option<DMat4> {
+        let [width, height] = [self.settings.width, self.settings.height];
         let half_height = self.camera.half_height();
-        let half_width = half_height * f64::from(self.settings.width) / f64::from(self.settings.height);
+        let half_width = half_height * f64::from(width) / f64::from(height);
         let (x, y) = (DVec4::X * (0.5 / half_width), DVec4::Y * (-0.5 / half_height));
-        match self.camera.orthographic_height {
-            None => DMat4::from_cols(x, y, DVec4::new(0.5, 0.5, 1.0, 1.0), DVec4::new(0.0, 0.0, -1.0, 0.0)),
-            Some(_) => DMat4::from_cols(x, y, DVec4::Z, DVec4::new(0.5, 0.5, 0.0, 1.0)),
+        let last = DVec4::new(0.0, 0.0, -1.0, 0.0);
+        match self.camera.projection {
+            Projection::Perspective { .. } => Some(DMat4::from_cols(x, y, DVec4::new(0.5, 0.5, 1.0, 1.0), last)),
+            Projection::Calibrated(intrinsics) => {
+                let Intrinsics { focal, principal_point, skew, size } = intrinsics.resized(width, height);
+                let [width, height] = size.map(f64::from);
+                let [fx, fy] = focal.map(f64::from);
+                let [cx, cy] = principal_point.map(f64::from);
+                Some(DMat4::from_cols(
+                    DVec4::X * (fx / width),
+                    DVec4::new(-f64::from(skew) / width, -fy / height, 0.0, 0.0),
+                    DVec4::new(cx / width, cy / height, 1.0, 1.0),
+                    last,
+                ))
+            }
+            Projection::Orthographic { .. } => Some(DMat4::from_cols(x, y, DVec4::Z, DVec4::new(0.5, 0.5, 0.0, 1.0))),
+            Projection::Panoramic(_) => None,
         }
     }
 }

@@ -43,7 +43,7 @@ impl Picture {
         file.write_with(&self.film, display, &self.extras)
     }
 
-    /// The picture without its noise, and without its layers, which have none. Guides, if there are any, keep its edges.
+    /// The picture without its noise, and without its layers, which have none. Alpha stays as it is. Guides, if there are any, keep its edges.
     ///
     /// # Errors
     /// A [`DenoiseError`] when the library fails.
@@ -60,7 +60,7 @@ impl Picture {
         if let Some(metadata) = &mut metadata {
             metadata.denoiser = Some(denoiser.name());
         }
-        let film = Film::from_image(&Image { width: mean.width, height: mean.height, pixels });
+        let film = Film::from_image(&Image { pixels, ..mean });
         Ok(Self { film, extras: Extras { channels: vec![], metadata }, guides: None })
     }
 }

@@ -5,6 +5,8 @@ use std::io::{self, Write};
 use png::{BitDepth, ColorType, Compression, Encoder, Filter, SrgbRenderingIntent};
 use raggio_choice::choice;
 
+use crate::pictures::display::Shown;
+
 choice! {
     /// Bits of each channel of a PNG.
     pub enum PngBits: "number of bits" {
@@ -15,27 +17,32 @@ choice! {
     }
 }
 
-/// Writes a PNG of 8 bits: bytes red, green, blue, opacity, row by row from the top left. Opacity is left out.
-pub(crate) fn encode_8_bits(size: [u32; 2], pixels: &[u8], to: &mut impl Write) -> io::Result<()> {
-    let rgb: Vec<u8> = pixels.chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
-    encode(size, BitDepth::Eight, &rgb, to)
+/// Writes a PNG of 8 bits, row by row from the top left.
+pub(crate) fn encode_8_bits(size: [u32; 2], shown: &Shown<u8>, to: &mut impl Write) -> io::Result<()> {
+    encode(size, BitDepth::Eight, shown, |value| [value], to)
 }
 
-/// Writes a PNG of 16 bits: red, green, blue, row by row from the top left.
-pub(crate) fn encode_16_bits(size: [u32; 2], pixels: &[[u16; 3]], to: &mut impl Write) -> io::Result<()> {
-    let rgb: Vec<u8> = pixels.as_flattened().iter().flat_map(|value| value.to_be_bytes()).collect();
-    encode(size, BitDepth::Sixteen, &rgb, to)
+/// Writes a PNG of 16 bits, row by row from the top left.
+pub(crate) fn encode_16_bits(size: [u32; 2], shown: &Shown<u16>, to: &mut impl Write) -> io::Result<()> {
+    encode(size, BitDepth::Sixteen, shown, u16::to_be_bytes, to)
 }
 
-fn encode([width, height]: [u32; 2], depth: BitDepth, rgb: &[u8], to: &mut impl Write) -> io::Result<()> {
+fn encode<T: Copy, const BYTES: usize>(
+    [width, height]: [u32; 2],
+    depth: BitDepth,
+    shown: &Shown<T>,
+    bytes: impl Fn(T) -> [u8; BYTES],
+    to: &mut impl Write,
+) -> io::Result<()> {
     let mut encoder = Encoder::new(to, width, height);
-    encoder.set_color(ColorType::Rgb);
+    encoder.set_color(if shown.alpha.is_some() { ColorType::Rgba } else { ColorType::Rgb });
     encoder.set_depth(depth);
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
     // The noise of pictures hardly becomes smaller by more work: see docs/performance.md.
     encoder.set_compression(Compression::Fast);
     encoder.set_filter(Filter::Adaptive);
+    let data: Vec<u8> = shown.values().into_iter().flat_map(bytes).collect();
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(rgb)?;
+    writer.write_image_data(&data)?;
     Ok(writer.finish()?)
 }

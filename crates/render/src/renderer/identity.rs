@@ -71,6 +71,7 @@ pub(super) fn settings(settings: &RenderSettings, noise: Option<f64>) -> Vec<(St
         filter,
         max_depth,
         clamp,
+        alpha,
         surface_offset,
         width: _,
         height: _,
@@ -84,6 +85,7 @@ pub(super) fn settings(settings: &RenderSettings, noise: Option<f64>) -> Vec<(St
         ("filter", filter.to_string()),
         ("max_depth", max_depth.to_string()),
         ("clamp", optional(clamp.map(|clamp| clamp.to_string()))),
+        ("alpha", alpha.to_string()),
         ("surface_offset", surface_offset.to_string()),
         ("noise", optional(noise.map(short))),
     ]

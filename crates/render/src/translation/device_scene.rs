@@ -7,16 +7,17 @@ mod shapes;
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use glam::{DMat4, DVec4, Vec3};
+use glam::Vec3;
 use raggio_kernels::{
-    BvhNode, Camera as DeviceCamera, CameraMedium, Light as DeviceLight, LightKind as DeviceLightKind,
-    MAX_NESTED_MEDIA, NO_TEXTURE, PixelFilter, SceneBuffers, SceneCounts, Sequence, Sky, Work,
+    BvhNode, CameraMedium, Light as DeviceLight, LightKind as DeviceLightKind, MAX_NESTED_MEDIA, NO_TEXTURE,
+    PixelFilter, SceneBuffers, SceneCounts, Sequence, Sky, Work,
 };
 use raggio_scene::{
-    Camera, Environment, Filter, Geometry, Light, LightKind, Mesh, RenderSettings, Sampler, Scene, Texture, Wrap,
+    Environment, Filter, Geometry, Light, LightKind, Mesh, RenderSettings, Sampler, Scene, Texture, Wrap,
 };
 
 use crate::translation::bounds::shape_bounds;
+use crate::translation::camera::device_camera;
 use crate::translation::device_scene::albedos::albedos;
 use crate::translation::device_scene::materials::{Materials, is_clear};
 use crate::translation::device_scene::shapes::Shapes;
@@ -194,38 +195,10 @@ fn work(render: &RenderSettings) -> Work {
             Filter::BlackmanHarris | Filter::Mitchell => PixelFilter::Tabulated,
         } as u32,
         clamp: render.clamp.unwrap_or(f32::INFINITY),
+        transparent: u32::from(render.alpha),
         surface_offset: u32::from(render.surface_offset),
         ..Work::default()
     }
-}
-
-fn device_camera(camera: &Camera, render: &RenderSettings) -> DeviceCamera {
-    let eye = camera.position.as_dvec3();
-    let back = (eye - camera.look_at.as_dvec3()).normalize();
-    let right = camera.up.as_dvec3().cross(back).normalize();
-    let up = back.cross(right);
-    let world_from_view = DMat4::from_cols(right.extend(0.0), up.extend(0.0), back.extend(0.0), eye.extend(1.0));
-
-    // The inverse of the usual projection, with its planes at 1 and 2: only directions, or places of parallel rays, are
-    // taken from it.
-    let half_height = camera.half_height();
-    let half_width = half_height * f64::from(render.width) / f64::from(render.height);
-    let (x, y) = (DVec4::X * half_width, DVec4::Y * half_height);
-    let view_from_clip = match camera.orthographic_height {
-        None => DMat4::from_cols(x, y, DVec4::W * -0.25, DVec4::new(0.0, 0.0, -1.0, 0.75)),
-        Some(_) => DMat4::from_cols(x, y, -DVec4::Z, DVec4::new(0.0, 0.0, -1.0, 1.0)),
-    };
-    DeviceCamera {
-        world_from_view: rows(world_from_view),
-        view_from_clip: rows(view_from_clip),
-        aperture_radius: camera.aperture_radius,
-        focus_distance: camera.focus_distance,
-        parallel: u32::from(camera.orthographic_height.is_some()),
-    }
-}
-
-fn rows(matrix: DMat4) -> [[f32; 4]; 4] {
-    [0, 1, 2, 3].map(|i| matrix.row(i).as_vec4().to_array())
 }
 
 fn device_sky(environment: &Environment, textures: &mut TextureTable) -> Result<Sky, TranslationError> {

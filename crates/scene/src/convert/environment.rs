@@ -1,6 +1,6 @@
 //! Light from outside: one radiance, a gradient, or an image.
 
-use super::{Files, vec3};
+use super::{Files, first_given, vec3};
 use crate::fault::{Fault, steps};
 use crate::file::EnvironmentFile;
 use crate::scene::Environment;
@@ -37,10 +37,6 @@ fn colors(file: &EnvironmentFile) -> Option<&'static str> {
         ("horizon", file.horizon.is_some()),
         ("zenith", file.zenith.is_some()),
     ])
-}
-
-fn first_given(keys: &[(&'static str, bool)]) -> Option<&'static str> {
-    keys.iter().find(|(_, is_given)| *is_given).map(|(key, _)| *key)
 }
 
 fn image(path: &str, file: &EnvironmentFile, files: &mut Files<'_>) -> Result<Environment, Fault> {

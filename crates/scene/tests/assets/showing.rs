@@ -28,7 +28,7 @@ fn extent(scene: &Scene) -> [f64; 2] {
     let forward = (camera.look_at.as_dvec3() - position).normalize();
     let right = forward.cross(camera.up.as_dvec3()).normalize();
     let up = right.cross(forward);
-    let tangent = f64::from(0.5 * camera.vertical_fov_degrees).to_radians().tan();
+    let tangent = camera.half_height();
     let aspect = f64::from(scene.render.width) / f64::from(scene.render.height);
     let mut extent = [0.0f64; 2];
     for (mesh, world_from_mesh, _) in meshes(scene) {

@@ -137,7 +137,8 @@ fn check_camera(scene: &Scene) {
     let forward = (camera.look_at - camera.position).normalize();
     let right = forward.cross(camera.up.normalize()).normalize();
     assert!(right.is_finite() && forward.is_finite(), "{camera:?}");
-    assert!(camera.vertical_fov_degrees > 0.0 && camera.vertical_fov_degrees < 180.0);
+    // Half of the picture's height is that of a field of view within the limits, or of a length.
+    assert!(camera.half_height() > 1e-16 && camera.half_height() < 1e16, "{camera:?}");
     assert!(camera.aperture_radius >= 0.0 && camera.aperture_radius.is_finite());
     assert!(camera.focus_distance.is_normal() && camera.focus_distance > 0.0);
 }

@@ -36,7 +36,7 @@ vertical_fov_degrees = 40
 position = [0, 1, 0]
 look_at = [0, 1, 4]
 ",
-        "scene.toml:2:1: `vertical_fov_degrees` is missing in [camera]",
+        "scene.toml:2:1: `vertical_fov_degrees` is missing in [camera]; `intrinsics`, `orthographic_height` or `panorama` could stand in its place",
     ),
     (
         "no field of view, dotted",
@@ -44,14 +44,14 @@ look_at = [0, 1, 4]
 camera.position = [0, 1, 0]
 camera.look_at = [0, 1, 4]
 ",
-        "scene.toml:2:1: `vertical_fov_degrees` is missing in [camera]",
+        "scene.toml:2:1: `vertical_fov_degrees` is missing in [camera]; `intrinsics`, `orthographic_height` or `panorama` could stand in its place",
     ),
     (
         "no field of view, inline",
         "version = 1
 camera = { position = [0, 1, 0], look_at = [0, 1, 4] }
 ",
-        "scene.toml:2:10: `vertical_fov_degrees` is missing in [camera]",
+        "scene.toml:2:10: `vertical_fov_degrees` is missing in [camera]; `intrinsics`, `orthographic_height` or `panorama` could stand in its place",
     ),
     (
         "nan",
@@ -238,5 +238,169 @@ vertical_fov_degrees = 40
 focus_distance = nan
 ",
         "scene.toml:6:18: `focus_distance` in [camera] must be greater than 0, not `nan`",
+    ),
+    (
+        "an angle and a height",
+        "version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+orthographic_height = 2
+",
+        "scene.toml:6:1: `orthographic_height` in [camera] cannot stand beside `vertical_fov_degrees`: keep one or the other",
+    ),
+    (
+        "an angle and a panorama",
+        "version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+panorama = \"latitude-longitude\"
+vertical_fov_degrees = 40
+",
+        "scene.toml:5:1: `panorama` in [camera] cannot stand beside `vertical_fov_degrees`: keep one or the other",
+    ),
+    (
+        "intrinsics and a height",
+        "version = 1
+camera = { position = [0, 1, 4], look_at = [0, 1, 0], orthographic_height = 1, intrinsics = { focal = [1, 1], size = [2, 2] } }
+",
+        "scene.toml:2:55: `orthographic_height` in [camera] cannot stand beside `intrinsics`: keep one or the other",
+    ),
+    (
+        "a panorama with a lens",
+        "version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+panorama = \"latitude-longitude\"
+aperture_radius = 0.1
+",
+        "scene.toml:6:1: `aperture_radius` in [camera] cannot stand beside `panorama`, which has no lens: leave it out",
+    ),
+    (
+        "a panorama in focus",
+        "version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+panorama = \"latitude-longitude\"
+focus_distance = 1
+",
+        "scene.toml:6:1: `focus_distance` in [camera] cannot stand beside `panorama`, which has no lens: leave it out",
+    ),
+    (
+        "an unknown panorama",
+        "version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+panorama = \"fisheye\"
+",
+        "scene.toml:5:12: `panorama` in [camera] must be `\"latitude-longitude\"`, not `\"fisheye\"`",
+    ),
+    (
+        "a panorama that is a truth",
+        "version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+panorama = true
+",
+        "scene.toml:5:12: `panorama` in [camera] must be `\"latitude-longitude\"`, not `true`",
+    ),
+    (
+        "a height of zero",
+        "version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+orthographic_height = 0
+",
+        "scene.toml:5:23: `orthographic_height` in [camera] must be greater than 0, not `0`",
+    ),
+    (
+        "intrinsics without a size",
+        "version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+intrinsics = { focal = [50, 50] }
+",
+        "scene.toml:5:14: `size` is missing in [camera.intrinsics]",
+    ),
+    (
+        "one focal length",
+        "version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+[camera.intrinsics]
+focal = [50]
+size = [40, 30]
+",
+        "scene.toml:6:9: `focal` in [camera.intrinsics] must be a list of 2 numbers, not of 1",
+    ),
+    (
+        "a focal length of zero",
+        "version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+intrinsics = { focal = [50, 0], size = [40, 30] }
+",
+        "scene.toml:5:29: component 2 of `focal` in [camera.intrinsics] must be greater than 0, not `0`",
+    ),
+    (
+        "a focal length that is no camera's",
+        "version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+intrinsics = { focal = [1e-4, 1], size = [40, 30] }
+",
+        "scene.toml:5:25: component 1 of `focal` in [camera.intrinsics] must be at least 0.001 and at most 1e9, not `1e-4`: it is in pixels",
+    ),
+    (
+        "a skew that is no camera's",
+        "version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+intrinsics = { focal = [50, 50], skew = -501, size = [40, 30] }
+",
+        "scene.toml:5:41: `skew` in [camera.intrinsics] must be at most 10 times the focal length across in size, not `-501`",
+    ),
+    (
+        "a size in fractions",
+        "version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+intrinsics = { focal = [50, 50], size = [40, 30.5] }
+",
+        "scene.toml:5:46: component 2 of `size` in [camera.intrinsics] must be a whole number, not `30.5`",
+    ),
+    (
+        "intrinsics by other names",
+        "version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+intrinsics = { focal = [50, 50], size = [40, 30], cx = 20 }
+",
+        "scene.toml:5:51: unknown key `cx` in [camera.intrinsics]: did you mean `principal_point`?",
+    ),
+    (
+        "a kind of camera",
+        "version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+projection = \"orthographic\"
+orthographic_height = 2
+",
+        "scene.toml:5:1: unknown key `projection` in [camera]: one of `vertical_fov_degrees`, `intrinsics`, `orthographic_height` and `panorama` says what kind of camera it is",
     ),
 ];

@@ -68,7 +68,6 @@ mesh = {}
         "scene.toml:1:1: `version` is missing: a scene file starts with `version = 1`
 scene.toml:2:1: `position` is missing in [camera]
 scene.toml:2:1: `look_at` is missing in [camera]
-scene.toml:2:1: `vertical_fov_degrees` is missing in [camera]
 scene.toml:7:13: `corner` is missing in `rectangle` of shape 1
 scene.toml:7:13: `edge_u` is missing in `rectangle` of shape 1
 scene.toml:9:8: `file` is missing in `mesh` of shape 2",

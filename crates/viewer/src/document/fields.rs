@@ -1,7 +1,9 @@
 //! The parts of a scene as keys of the file, each with its old value, its new value and the value that its absence
 //! means.
 
-use raggio_scene::{Camera, Environment, Geometry, Material, Placement, Reflection, RenderSettings, Vec3};
+use raggio_scene::{
+    Camera, Environment, Geometry, Intrinsics, Material, Placement, Projection, Reflection, RenderSettings, Vec3,
+};
 
 use crate::navigation::view_distance;
 
@@ -15,6 +17,7 @@ pub(super) enum Datum {
     Whole(i64),
     Word(&'static str),
     Flag(bool),
+    Intrinsics(Intrinsics),
 }
 
 /// One key of a table. It is written when it is there and `new` differs from `old`, or when it is not there and `new`
@@ -33,15 +36,34 @@ fn field<T>(key: &'static str, old: &T, new: &T, absent: Datum, datum: impl Fn(&
 }
 
 pub(super) fn camera(old: &Camera, new: &Camera) -> Vec<Field> {
-    use Datum::{Absent, Number, Vector};
+    use Datum::{Absent, Number, Vector, Word};
+    // A panorama has no lens that could be in focus.
+    let focus = if new.is_panoramic() { Absent } else { Number(view_distance(new)) };
     vec![
         field("position", old, new, Absent, |it| Vector(it.position)),
         field("look_at", old, new, Absent, |it| Vector(it.look_at)),
         field("up", old, new, Vector(Vec3::Y), |it| Vector(it.up)),
-        field("vertical_fov_degrees", old, new, Absent, |it| Number(it.vertical_fov_degrees)),
-        field("orthographic_height", old, new, Absent, |it| it.orthographic_height.map_or(Absent, Number)),
+        field("vertical_fov_degrees", old, new, Absent, |it| match it.projection {
+            Projection::Perspective { vertical_fov_degrees } => Number(vertical_fov_degrees),
+            _ => Absent,
+        }),
+        field("intrinsics", old, new, Absent, |it| match it.projection {
+            Projection::Calibrated(intrinsics) => Datum::Intrinsics(intrinsics),
+            _ => Absent,
+        }),
+        field("orthographic_height", old, new, Absent, |it| it.orthographic_height().map_or(Absent, Number)),
+        field("panorama", old, new, Absent, |it| match it.projection {
+            Projection::Panoramic(panorama) => Word(panorama.name()),
+            _ => Absent,
+        }),
         field("aperture_radius", old, new, Number(0.0), |it| Number(it.aperture_radius)),
-        field("focus_distance", old, new, Number(view_distance(new)), |it| Number(it.focus_distance)),
+        field(
+            "focus_distance",
+            old,
+            new,
+            focus,
+            |it| if it.is_panoramic() { Absent } else { Number(it.focus_distance) },
+        ),
     ]
 }
 
@@ -129,6 +151,7 @@ pub(super) fn render(old: &RenderSettings, new: &RenderSettings) -> Vec<Field> {
         field("sampler", old, new, Word(default.sampler.name()), |it| Word(it.sampler.name())),
         field("filter", old, new, Word(default.filter.name()), |it| Word(it.filter.name())),
         field("clamp", old, new, Datum::Absent, |it| it.clamp.map_or(Datum::Absent, Datum::Number)),
+        field("alpha", old, new, Flag(default.alpha), |it| Flag(it.alpha)),
         field("surface_offset", old, new, Flag(true), |it| Flag(it.surface_offset)),
     ]
 }

@@ -1,6 +1,6 @@
 //! Values in TOML's tables, whichever way those are written: under a header, inline or as dotted keys.
 
-use raggio_scene::Vec3;
+use raggio_scene::Intrinsics;
 use toml_edit::{Array, InlineTable, Item, RawString, Table, Value};
 
 use super::fields::{Datum, Field};
@@ -133,15 +133,28 @@ fn value(datum: Datum) -> Option<Value> {
     Some(match datum {
         Datum::Absent => return None,
         Datum::Number(number) => self::number(number),
-        Datum::Vector(vector) => array(vector),
+        Datum::Vector(vector) => array(&vector.to_array()),
         Datum::Whole(whole) => whole.into(),
         Datum::Word(word) => word.into(),
         Datum::Flag(flag) => flag.into(),
+        Datum::Intrinsics(intrinsics) => self::intrinsics(&intrinsics).into(),
     })
 }
 
-fn array(vector: Vec3) -> Value {
-    vector.to_array().into_iter().map(number).collect::<Array>().into()
+fn array(numbers: &[f32]) -> Value {
+    numbers.iter().copied().map(number).collect::<Array>().into()
+}
+
+fn intrinsics(intrinsics: &Intrinsics) -> InlineTable {
+    let Intrinsics { focal, principal_point, skew, size } = intrinsics;
+    let mut table = InlineTable::new();
+    table.insert("focal", array(focal));
+    table.insert("principal_point", array(principal_point));
+    if *skew != 0.0 {
+        table.insert("skew", number(*skew));
+    }
+    table.insert("size", size.iter().map(|side| i64::from(*side)).collect::<Array>().into());
+    table
 }
 
 /// Writes a number with the fewest digits that give the same 32-bit number back, and without a point where it is whole.

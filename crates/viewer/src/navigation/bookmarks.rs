@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
-use raggio_scene::Camera;
+use raggio_scene::{Camera, Projection};
 
 use super::view::{axes, camera_heading, heading, pitch_of, pitched, vertical, view_distance};
 
@@ -69,12 +69,20 @@ impl Transition {
 fn between(from: &Camera, to: &Camera, part: f64) -> Camera {
     let mix = |from: f32, to: f32| (f64::from(from) + (f64::from(to) - f64::from(from)) * part) as f32;
     let up = slerp(vertical(from), vertical(to), part, axes(from).forward);
-    let height = from.orthographic_height.zip(to.orthographic_height).map(|(from, to)| mix(from, to));
+    let projection = match (from.projection, to.projection) {
+        (
+            Projection::Perspective { vertical_fov_degrees: from },
+            Projection::Perspective { vertical_fov_degrees: to },
+        ) => Projection::Perspective { vertical_fov_degrees: mix(from, to) },
+        (Projection::Orthographic { height: from }, Projection::Orthographic { height: to }) => {
+            Projection::Orthographic { height: mix(from, to) }
+        }
+        (_, to) => to,
+    };
     let mut camera = Camera {
-        orthographic_height: height.or(to.orthographic_height),
         position: from.position.as_dvec3().lerp(to.position.as_dvec3(), part).as_vec3(),
         up: up.as_vec3(),
-        vertical_fov_degrees: mix(from.vertical_fov_degrees, to.vertical_fov_degrees),
+        projection,
         aperture_radius: mix(from.aperture_radius, to.aperture_radius),
         focus_distance: mix(from.focus_distance, to.focus_distance),
         ..to.clone()

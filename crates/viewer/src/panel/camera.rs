@@ -1,6 +1,7 @@
 //! Controls of the camera.
 
-use egui::{DragValue, Ui};
+use egui::{DragValue, Label, Ui};
+use raggio_scene::{Camera, Intrinsics, Projection};
 
 use super::controls::{choose, number, row, step, table, vector};
 use crate::command::{Command, Navigate};
@@ -16,6 +17,51 @@ const SIDES: [(&str, [f32; 3]); 6] = [
     ("bottom", [0.0, -1.0, 0.0]),
 ];
 
+/// Draws the projection; intrinsics, which belong together, and panoramas are the file's to change.
+fn projection(ui: &mut Ui, projection: &mut Projection) {
+    match projection {
+        Projection::Orthographic { height } => row(ui, "height", |ui| {
+            let step = *height * 0.01;
+            number(ui, height, step, 1e-9..=1e9)
+                .on_hover_text("height of the picture in the scene's units: all rays are parallel")
+        }),
+        Projection::Perspective { vertical_fov_degrees } => row(ui, "field of view", |ui| {
+            ui.add(
+                DragValue::new(vertical_fov_degrees)
+                    .speed(0.1)
+                    .range(1.0..=170.0)
+                    .clamp_existing_to_range(false)
+                    .suffix(" °"),
+            )
+        }),
+        Projection::Calibrated(Intrinsics {
+            focal: [fx, fy],
+            principal_point: [cx, cy],
+            skew,
+            size: [width, height],
+        }) => row(ui, "intrinsics", |ui| {
+            let skew = if *skew == 0.0 { String::new() } else { format!(", skew {skew}") };
+            let text = format!("f {fx}, {fy}; c {cx}, {cy}{skew}; of {width} x {height}");
+            ui.add(Label::new(text).wrap())
+                .on_hover_text("focal lengths and principal point in pixels of a picture of that size")
+        }),
+        Projection::Panoramic(panorama) => row(ui, "panorama", |ui| ui.label(panorama.name())),
+    };
+}
+
+/// Draws the lens.
+fn lens(ui: &mut Ui, camera: &mut Camera, speed: f32) {
+    row(ui, "aperture", |ui| {
+        let step = (camera.aperture_radius * 0.02).max(speed * 0.02);
+        number(ui, &mut camera.aperture_radius, step, 0.0..=1e6)
+            .on_hover_text("radius of the lens: larger blurs what is not in focus")
+    });
+    row(ui, "focus", |ui| {
+        number(ui, &mut camera.focus_distance, speed, 1e-4..=1e9)
+            .on_hover_text("distance of what is sharp; F and a click set it to what is under the cursor")
+    });
+}
+
 /// Draws the camera's numbers, and the controls of how hands move it.
 pub fn show(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     let mut camera = viewer.camera().clone();
@@ -23,31 +69,10 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     table(ui, "camera", |ui| {
         row(ui, "position", |ui| vector(ui, &mut camera.position, speed));
         row(ui, "look at", |ui| vector(ui, &mut camera.look_at, speed));
-        match &mut camera.orthographic_height {
-            Some(height) => row(ui, "height", |ui| {
-                let step = *height * 0.01;
-                number(ui, height, step, 1e-9..=1e9)
-                    .on_hover_text("height of the picture in the scene's units: all rays are parallel")
-            }),
-            None => row(ui, "field of view", |ui| {
-                ui.add(
-                    DragValue::new(&mut camera.vertical_fov_degrees)
-                        .speed(0.1)
-                        .range(1.0..=170.0)
-                        .clamp_existing_to_range(false)
-                        .suffix(" °"),
-                )
-            }),
-        };
-        row(ui, "aperture", |ui| {
-            let step = (camera.aperture_radius * 0.02).max(speed * 0.02);
-            number(ui, &mut camera.aperture_radius, step, 0.0..=1e6)
-                .on_hover_text("radius of the lens: larger blurs what is not in focus")
-        });
-        row(ui, "focus", |ui| {
-            number(ui, &mut camera.focus_distance, speed, 1e-4..=1e9)
-                .on_hover_text("distance of what is sharp; F and a click set it to what is under the cursor")
-        });
+        projection(ui, &mut camera.projection);
+        if !camera.is_panoramic() {
+            lens(ui, &mut camera, speed);
+        }
         row(ui, "mouse", |ui| {
             let mut preset = viewer.pilot.preset();
             choose(ui, "preset", &mut preset);

@@ -35,6 +35,7 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Ve
                 commands.push(Command::Denoise(denoised));
             }
         });
+        row(ui, "alpha", |ui| alpha(ui, viewer, commands));
         row(ui, "samples", |ui| samples(ui, viewer, commands));
         row(ui, "depth", |ui| depth(ui, viewer, commands));
         row(ui, "size", |ui| size(ui, viewer, commands));
@@ -76,6 +77,15 @@ fn size(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
             commands.push(Command::Fill(fill));
         }
     });
+}
+
+/// Draws whether files of the picture have an alpha channel.
+fn alpha(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
+    let mut render = viewer.scene().render.clone();
+    let box_ = ui.checkbox(&mut render.alpha, "files without background");
+    if box_.on_hover_text("the background shines, but is left out where it is seen directly").changed() {
+        commands.push(Command::Edit(crate::command::Edit::Render(render)));
+    }
 }
 
 /// Draws the greatest length of paths.

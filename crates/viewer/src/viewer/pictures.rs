@@ -128,13 +128,14 @@ impl Viewer {
         let (film, has) = self.tracer.radiance()?;
         let samples = request.samples.unwrap_or(has).max(1);
         let name = self.document.source().file_name().unwrap_or_default().to_string_lossy();
-        // A film says what it is of, which the window's does not know.
-        if samples == has && !file.is_film() && size == [film.width(), film.height()] {
+        // A film says what it is of, which the window's does not know; and the window shows the background.
+        let alpha = self.document.scene().render.alpha;
+        if samples == has && !alpha && !file.is_film() && size == [film.width(), film.height()] {
             export::write(&file, &film, display, Metadata::new(self.tracer.scene(), &name))?;
             let samples = counted(samples as usize, "sample");
             self.notices.done(format!("wrote {}, {samples} per pixel", file.path().display()));
         } else {
-            self.export = Some(Export::begin(file, &self.tracer, &name, size, samples, display)?);
+            self.export = Some(Export::begin(file, &self.tracer, &name, size, samples, alpha, display)?);
         }
         Ok(())
     }

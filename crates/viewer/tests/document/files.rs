@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use raggio_scene::Scene;
+use raggio_scene::{Projection, Scene};
 use raggio_viewer::document::Document;
 
 use crate::document::{HEADERS, INLINE, ball, check};
@@ -35,7 +35,8 @@ fn an_edit_of_a_real_scene_changes_one_line() {
         let mut it = Document::open(&scene).unwrap();
         let before = it.text().to_string();
         let mut camera = it.scene().camera.clone();
-        camera.vertical_fov_degrees += 0.5;
+        let Projection::Perspective { vertical_fov_degrees } = &mut camera.projection else { panic!("{camera:?}") };
+        *vertical_fov_degrees += 0.5;
         assert!(it.set_camera(&camera).unwrap());
         let changed = before.lines().zip(it.text().lines()).filter(|(old, new)| old != new).count();
         assert_eq!((changed, before.lines().count()), (1, it.text().lines().count()), "{}", scene.display());

@@ -14,8 +14,10 @@ use crate::pictures::output_file::write_whole_with;
 
 /// First bytes: no text begins so, and a transfer that changes line endings changes them.
 const MAGIC: [u8; 8] = *b"\x89FILM\r\n\x1a";
-/// Version of the format.
-const VERSION: u32 = 2;
+/// Latest version of the format: that of films with coverage, whose sums follow those of radiance.
+const VERSION: u32 = 3;
+/// Version of films without coverage.
+const PLAIN_VERSION: u32 = 2;
 /// Most bytes of a text, and most entries of a list, that a header is believed.
 const LONGEST: u32 = 1 << 16;
 /// Most bytes of a note's value: the blocks of the largest film that rest.
@@ -134,7 +136,8 @@ impl Film {
         let mut to = Hashing { inner: to, hasher: blake3::Hasher::new() };
         to.write_all(&header(self, label, more))?;
         // Pixels are words without padding; on machines with the other byte order they are turned.
-        for pixels in self.pixels().chunks(CHUNK / size_of::<FilmPixel>()) {
+        let sums = [Some(self), self.coverage()].into_iter().flatten();
+        for pixels in sums.flat_map(|film| film.pixels().chunks(CHUNK / size_of::<FilmPixel>())) {
             if cfg!(target_endian = "little") {
                 to.write_all(bytemuck::cast_slice(pixels))?;
             } else {
@@ -177,7 +180,8 @@ fn header(film: &Film, label: &Label, more: &[Note]) -> Vec<u8> {
         word(bytes, text.len() as u32);
         bytes.extend(text.as_bytes());
     };
-    for number in [VERSION, film.width(), film.height()] {
+    let version = if film.coverage().is_some() { VERSION } else { PLAIN_VERSION };
+    for number in [version, film.width(), film.height()] {
         word(&mut bytes, number);
     }
     bytes.extend(label.scene);
@@ -210,10 +214,11 @@ fn from_reader(from: impl Read) -> Result<(Film, Vec<Note>), Fault> {
         Ok(()) if magic == MAGIC => {}
         _ => return Err(Fault::NotAFilm),
     }
-    match from.word()? {
-        VERSION => {}
+    let has_coverage = match from.word()? {
+        PLAIN_VERSION => false,
+        VERSION => true,
         found => return Err(Fault::Version(found)),
-    }
+    };
     let [width, height] = [from.word()?, from.word()?];
     if !(1..=LONGEST_SIDE).contains(&width) || !(1..=LONGEST_SIDE).contains(&height) {
         return Err(damaged(format!("it says that it has {width}x{height} pixels")));
@@ -240,6 +245,7 @@ fn from_reader(from: impl Read) -> Result<(Film, Vec<Note>), Fault> {
     check_memory(width, height).map_err(Fault::TooLarge)?;
 
     let pixels = from.pixels(width, height)?;
+    let coverage = if has_coverage { Some(from.pixels(width, height)?) } else { None };
     let expected = from.hasher.finalize();
     let mut found = [0; CHECKSUM];
     from.fill(&mut found)?;
@@ -250,7 +256,8 @@ fn from_reader(from: impl Read) -> Result<(Film, Vec<Note>), Fault> {
         return Err(damaged("it goes on after its end".into()));
     }
     let label = Label { version, scene, settings, portions, notes };
-    Ok((Film::from_pixels(width, height, pixels).with_label(label), own))
+    let coverage = coverage.map(|pixels| Film::from_pixels(width, height, pixels));
+    Ok((Film::from_pixels(width, height, pixels).with_label(label).with_coverage(coverage), own))
 }
 
 fn damaged(reason: String) -> Fault {
