@@ -259,6 +259,7 @@ impl AssetArguments {
         AssetOptions {
             allow_outside: self.allow_outside,
             time_seconds: self.time,
+            elapsed_seconds: None,
             picture: size.map(|size| [size.width, size.height]),
             camera: self.camera.clone(),
         }

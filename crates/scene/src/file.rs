@@ -2,6 +2,7 @@
 //!
 //! Doc comments of these types are the descriptions in the schema, so they speak to whoever writes a scene.
 
+mod keyframes;
 mod principled;
 
 use std::fmt;
@@ -11,12 +12,14 @@ use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Value, json};
 
+use crate::curve::Interpolation;
 use crate::named::Named;
 use crate::number::{
     Brightness, Coordinate, FieldOfView, Fraction, NonNegative, Positive, Reflectance, RefractiveIndex, Version, Whole,
 };
 use crate::scene::{Filter, RenderSettings, Sampler};
 
+pub(crate) use keyframes::{KeyframeFile, Keyframes};
 pub(crate) use principled::{
     AlphaModeFile, PrincipledFile, TextureFile, TextureFilterFile, TextureTable, WrapFile, WrapName,
 };
@@ -79,8 +82,9 @@ pub(crate) struct RenderFile {
 }
 
 /// Camera that takes the picture.
-#[derive(Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("dependentRequired" = { "interpolation": ["keyframes"] }))]
 #[schemars(rename = "Camera")]
 pub(crate) struct CameraFile {
     /// Position of the camera.
@@ -99,6 +103,12 @@ pub(crate) struct CameraFile {
     pub aperture_radius: NonNegative,
     /// Distance of the plane in focus; default: the distance from `position` to `look_at`.
     pub focus_distance: Option<Positive>,
+    /// Keyframes of a camera that moves, in the order of their times.
+    #[serde(default)]
+    pub keyframes: Keyframes,
+    /// Way from one keyframe to the next; needs `keyframes`.
+    #[schemars(extend("default" = "smooth"))]
+    pub interpolation: Option<Named<Interpolation>>,
 }
 
 /// Light from outside: `color`, or `horizon` and `zenith`, or `image`.
