@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use raggio_render::{
-    Denoiser, Device, DeviceScene, Fingerprint, Frames, ImageFile, Pattern, RenderRequest, Rendering, UNLIMITED_SAMPLES,
+    Aov, Denoiser, Device, DeviceScene, Fingerprint, Frames, ImageFile, Pattern, RenderRequest, Rendering,
+    UNLIMITED_SAMPLES,
 };
 use raggio_scene::{Assets, Scene, counted, display_name, is_model, scene_text};
 
@@ -51,7 +52,14 @@ pub fn render(arguments: &RenderArguments, frames: &Frames, start: Instant) -> R
         total: all.len(),
     };
     let mut translated: Option<DeviceScene> = None;
+    let tells_motion = job.request.layers.contains(&Aov::Motion);
+    let mut last: Option<(u32, Scene)> = None;
     for (place, (frame, files)) in frames.numbers().iter().zip(&all).enumerate() {
+        let earlier = match last.take().filter(|(number, _)| number + 1 == *frame) {
+            Some((_, scene)) => Some(scene),
+            None if tells_motion => Some(source.scene_before(*frame).map_err(|failure| in_frame(*frame, failure))?),
+            None => None,
+        };
         let scene = source.scene(*frame).map_err(|failure| in_frame(*frame, failure))?;
         job.warn(&scene);
         raggio_render::check_memory(scene.render.width, scene.render.height)?;
@@ -60,8 +68,12 @@ pub fn render(arguments: &RenderArguments, frames: &Frames, start: Instant) -> R
             None => DeviceScene::new(&scene).map(|new| translated = Some(new)),
         };
         translation.map_err(|error| in_frame(*frame, Failure::Input(error.to_string())))?;
-        let Some(translated) = &translated else { continue };
+        let Some(translated) = &mut translated else { continue };
+        if let Some(earlier) = earlier.filter(|_| tells_motion) {
+            translated.move_from(&scene, &earlier);
+        }
         job.frame(place, *frame, files, &scene, translated, patterns.checkpoint(*frame).as_deref())?;
+        last = tells_motion.then_some((*frame, scene));
     }
     job.finish(video.as_ref(), frames, &all)
 }
@@ -98,6 +110,11 @@ impl<'a> Source<'a> {
     /// The scene of a frame.
     fn scene(&mut self, frame: u32) -> Result<Scene, Failure> {
         self.at(self.arguments.frames.fps.moment(frame))
+    }
+
+    /// The scene of the moment that is a frame before.
+    fn scene_before(&mut self, frame: u32) -> Result<Scene, Failure> {
+        self.at(self.arguments.frames.fps.moment_before(frame))
     }
 
     fn at(&mut self, seconds: f64) -> Result<Scene, Failure> {

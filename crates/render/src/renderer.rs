@@ -18,7 +18,7 @@ use crate::translation::device_scene::DeviceScene;
 
 use identity::Identity;
 
-pub(crate) use identity::{LateLabel, scene_hash, settings};
+pub(crate) use identity::{LateLabel, motion_hash, scene_hash, settings};
 
 /// Adds samples to the film that a session shows, a portion at a time: each as long as the device has patience for.
 ///

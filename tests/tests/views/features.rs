@@ -56,7 +56,7 @@ fn expected(feature: Feature, scene: &Scene, direction: DVec3, hit: &Answer) -> 
         Feature::Position => first_three(hit[1]),
         Feature::Object => DVec3::splat(f64::from(place) + 1.0),
         Feature::Material => DVec3::splat(f64::from(number) + 1.0),
-        Feature::GuideAlbedo | Feature::GuideNormal => unreachable!("guides look further"),
+        Feature::GuideAlbedo | Feature::GuideNormal | Feature::Motion => unreachable!("they have tests of their own"),
     }
 }
 
@@ -138,7 +138,7 @@ fn hidden_boundaries_are_looked_through() {
                     Feature::Position => 3.0 * direction,
                     Feature::Object => DVec3::splat(wall + 1.0),
                     Feature::Material => DVec3::splat(3.0),
-                    Feature::GuideAlbedo | Feature::GuideNormal => unreachable!("guides are tested alone"),
+                    Feature::GuideAlbedo | Feature::GuideNormal | Feature::Motion => unreachable!("tested alone"),
                 };
                 let error = relative_difference(found[place], expected);
                 assert!(error < 1e-6, "{what}: expected {expected}, found {}", found[place]);

@@ -7,12 +7,13 @@ use std::path::Path;
 use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, Text};
 
+use crate::pictures::aov::Aov;
 use crate::pictures::display::Display;
 use crate::pictures::film::Film;
 use crate::pictures::format::PictureFormat;
 use crate::pictures::image_file::ImageFile;
 use crate::pictures::linear_image::Image;
-use crate::renderer::{scene_hash, settings};
+use crate::renderer::{motion_hash, scene_hash, settings};
 use crate::request::RenderRequest;
 use crate::translation::device_scene::DeviceScene;
 
@@ -47,6 +48,9 @@ impl Fingerprint {
         let mut layers = blake3::Hasher::new();
         for layer in &request.layers {
             layers.update(layer.name().as_bytes()).update(b",");
+            if *layer == Aov::Motion {
+                layers.update(&motion_hash(&scene.buffers));
+            }
         }
         Self { radiance: radiance.finalize(), layers: layers.finalize() }
     }

@@ -55,10 +55,22 @@ impl Identity {
     }
 }
 
+/// Lists that tell how the scene has moved, by their names.
+const MOTION: [&str; 2] = ["motion", "motion_rows"];
+
 /// Hash of all that kernels read of a scene for a sample of radiance. The filter's table is a setting.
 pub(crate) fn scene_hash(buffers: &SceneBuffers) -> [u8; 32] {
+    hash(buffers, |name| name != "filter_table" && !MOTION.contains(&name))
+}
+
+/// Hash of how a scene has moved since the frame before.
+pub(crate) fn motion_hash(buffers: &SceneBuffers) -> [u8; 32] {
+    hash(buffers, |name| MOTION.contains(&name))
+}
+
+fn hash(buffers: &SceneBuffers, is_part: impl Fn(&str) -> bool) -> [u8; 32] {
     let mut hasher = blake3::Hasher::new();
-    for list in buffers.bytes().iter().filter(|list| list.name != "filter_table") {
+    for list in buffers.bytes().iter().filter(|list| is_part(list.name)) {
         // Lengths keep lists apart.
         hasher.update(list.name.as_bytes()).update(&(list.bytes.len() as u64).to_le_bytes()).update(list.bytes);
     }
