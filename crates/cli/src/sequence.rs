@@ -172,6 +172,9 @@ impl Patterns {
     }
 }
 
+/// Way on from a sequence that was stopped.
+const GOES_ON: &str = "the same command goes on with the frames that are not done";
+
 /// End of a render of which nothing is known yet.
 const UNKNOWN_END: End = End { samples: UNLIMITED_SAMPLES, time_limit: None };
 
@@ -274,7 +277,12 @@ impl Job<'_> {
             checkpoint: wanted.as_deref(),
             fingerprint: Some(fingerprint),
         };
-        made.conclude(listener)?;
+        let is_saved = made.rendered.checkpoint.is_some();
+        let concluded = made.conclude(listener);
+        if let (Err(Failure::Interrupted(_)), false) = (&concluded, is_saved) {
+            listener.reporter.say(GOES_ON);
+        }
+        concluded?;
         self.rendered += 1;
         self.rendering_seconds += begun.elapsed().as_secs_f64();
         Ok(())
@@ -315,7 +323,7 @@ impl Job<'_> {
         let signal = self.started.as_ref().and_then(|started| started.listener.stopped.signal());
         let Some(signal) = signal else { return Ok(()) };
         let name = signals::name(signal);
-        self.tell(&format!("stopped by {name}: the same command goes on with the frames that are not done"));
+        self.tell(&format!("stopped by {name}: {GOES_ON}"));
         Err(Failure::Interrupted(signal))
     }
 

@@ -167,6 +167,82 @@ fn stills_know_nothing_of_frames() {
     assert!(String::from_utf8_lossy(&bytes(folder.path(), "b1.exr")).contains("fingerprint"));
 }
 
+/// Values of a layer's channel.
+fn channel(path: &Path, name: &str) -> Vec<f32> {
+    use exr::prelude::{FlatSamples, read_first_flat_layer_from_file};
+    let image = read_first_flat_layer_from_file(path).expect("an EXR");
+    let channels = &image.layer_data.channel_data.list;
+    let found = channels.iter().find(|channel| channel.name.to_string() == name).expect("the channel is there");
+    let FlatSamples::F32(values) = &found.sample_data else { panic!("{name} is of another type") };
+    values.clone()
+}
+
+/// The camera goes to the right by 0.5 in each frame, before a wall at the distance 4 and by 1 along the view: what is seen was
+/// further to the right in the picture a frame before, by the focal length in pixels times an eighth.
+#[test]
+fn motion_is_that_since_the_frame_before() {
+    let wall = moving()
+        .replace("sphere = { center = [0, 1, 0], radius = 1 }", "plane = { point = [0, 0, 0], normal = [0, 0, 1] }");
+    let look = "{ time = 0, position = [0, 1, 4], look_at = [0, 1, 0] }, { time = 1, position = [2, 1, 4], look_at = [2, 1, 0] }";
+    let wall = wall.replace("{ time = 0, position = [0, 1, 4] }, { time = 1, position = [2, 1, 4] }", look);
+    let folder = folder_with(&wall);
+    let folder = folder.path();
+    let all = ["--fps", "4", "-o", "#.exr", "--aov", "motion,depth"];
+    succeeds(folder, &[&["--frames", "1-3"], &all[..]].concat());
+    let of = |frame: u32, axis: &str| channel(&folder.join(format!("{frame}.exr")), &format!("motion.{axis}"));
+    let expected = 12.0 / 20f32.to_radians().tan() * 0.5 / 4.0;
+    for frame in 1..=3 {
+        let expected = if frame == 1 { 0.0 } else { expected };
+        assert!(of(frame, "X").iter().all(|x| (x - expected).abs() < 1e-3), "frame {frame}: {:?}", of(frame, "X")[0]);
+        assert!(of(frame, "Y").iter().all(|y| y.abs() < 1e-4), "frame {frame}");
+    }
+    // The frame before need not be among those that are rendered, and a whole frame stays one.
+    let before = bytes(folder, "3.exr");
+    assert!(succeeds(folder, &[&["--frames", "3"], &all[..]].concat()).contains("frame 3 is done"));
+    succeeds(folder, &[&["--frames", "3", "--overwrite"], &all[..]].concat());
+    assert!(bytes(folder, "3.exr") == before);
+    // With a time, frame 1 has one before it; a still has none.
+    succeeds(folder, &[&["--frames", "1", "--time", "0.5"], &all[..]].concat());
+    assert!((of(1, "X")[0] - expected).abs() < 1e-3);
+    succeeds(folder, &["--time", "0.5", "-o", "still.exr", "--aov", "motion"]);
+    assert!(channel(&folder.join("still.exr"), "motion.X").iter().all(|x| *x == 0.0));
+}
+
+/// A triangle of a model that rises by 3 a second, before a camera that stands still.
+#[test]
+fn models_move_from_frame_to_frame() {
+    let model = r#"{ "asset": { "version": "2.0" },
+        "buffers": [{ "byteLength": 68, "uri": "model.bin" }],
+        "bufferViews": [{ "buffer": 0, "byteLength": 68 }],
+        "accessors": [
+          { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-9, -9, 0], "max": [9, 9, 0] },
+          { "bufferView": 0, "byteOffset": 36, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1] },
+          { "bufferView": 0, "byteOffset": 44, "componentType": 5126, "count": 2, "type": "VEC3" }
+        ],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
+        "nodes": [{ "mesh": 0 }],
+        "animations": [{
+          "samplers": [{ "input": 1, "output": 2 }],
+          "channels": [{ "sampler": 0, "target": { "node": 0, "path": "translation" } }]
+        }] }"#;
+    let scene = SCENE.replace("sphere = { center = [0, 1, 0], radius = 1 }", "mesh = { file = \"model.gltf\" }");
+    let folder = folder_with(&scene);
+    let folder = folder.path();
+    std::fs::write(folder.join("model.gltf"), model).expect("a model");
+    let floats = [-9.0, -9.0, 0.0, 9.0, -9.0, 0.0, 0.0, 9.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 3.0, 0.0];
+    std::fs::write(folder.join("model.bin"), floats.map(f32::to_le_bytes).concat()).expect("its buffer");
+    succeeds(folder, &["--frames", "1-4", "--fps", "6", "-o", "#.exr", "--aov", "motion,position"]);
+    // Half a unit a frame, at the distance 4.
+    let expected = -12.0 / 20f32.to_radians().tan() * 0.5 / 4.0;
+    for frame in 2..=4 {
+        let [x, y] = ["X", "Y"].map(|axis| channel(&folder.join(format!("{frame}.exr")), &format!("motion.{axis}")));
+        let middle = 12 * 32 + 16;
+        assert!(x[middle].abs() < 1e-4 && (y[middle] - expected).abs() < 1e-3, "{}, {}", x[middle], y[middle]);
+    }
+    let said = succeeds(folder, &["--frames", "1-4", "--fps", "6", "-o", "#.exr", "--aov", "motion,position"]);
+    assert_eq!(count(&said, "is done"), 4, "{said}");
+}
+
 fn wait_for(path: &Path) {
     let start = Instant::now();
     while !path.exists() {
