@@ -118,7 +118,7 @@ fn placed(geometry: &Geometry) -> Option<DAffine3> {
         Geometry::Box { center, size, rotation_degrees } => {
             map(rotation(*rotation_degrees) * DMat3::from_diagonal(0.5 * size.as_dvec3()), center)
         }
-        Geometry::Plane { .. } | Geometry::Mesh { .. } => return None,
+        _ => return None,
     })
 }
 

@@ -59,9 +59,9 @@ fn keyframes_stay_as_they_are() {
             let changed = it.set_camera(&camera).unwrap();
             assert_eq!(it.scene().camera.position, Vec3::new(5.0, 1.5, 4.0));
             assert_eq!((it.scene().camera.vertical_fov_degrees, it.scene().camera.aperture_radius), (30.0, 0.25));
-            it.set_environment(&Environment::Constant(Vec3::ONE)).unwrap();
             changed
         });
+        let after = edited(&after, |it| it.set_environment(&Environment::Constant(Vec3::ONE)).unwrap());
         for part in ["[5, 1.5, 4]", "[6, 1.5, 4]", "time = 1", "time = 2", "[0, 1.50,", "_degrees = 30"] {
             assert!(after.contains(part), "{part} in\n{after}");
         }
