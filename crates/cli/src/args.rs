@@ -37,7 +37,7 @@ pub struct Arguments {
 pub enum Command {
     /// Render a scene to image files
     #[command(after_help = EXIT_STATUSES)]
-    Render(RenderArguments),
+    Render(Box<RenderArguments>),
     /// Add up films of one scene, and make pictures of them
     #[command(after_help = EXIT_STATUSES)]
     Merge(MergeArguments),

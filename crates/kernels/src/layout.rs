@@ -451,7 +451,7 @@ mod tests {
         refused(SceneBuffers { materials: vec![material].into(), ..tree() });
         let mesh = Mesh { triangles: 1, normals: NONE, ..Mesh::default() };
         refused(SceneBuffers { meshes: vec![mesh].into(), ..tree() });
-        let moving: Arc<_> = vec![Motion { moves: 1, ..Motion::default() }].into();
+        let moving: Arc<Vec<Motion>> = vec![Motion { moves: 1, ..Motion::default() }].into();
         let rows = |first: u32| vec![[0.0; 4], [0.0; 4], [0.0; 4], [f32::from_bits(first), 0.0, 0.0, 0.0]];
         let moved = |first| SceneBuffers { motion: moving.clone(), motion_rows: rows(first).into(), ..tree() };
         assert_eq!(moved(NONE).check(), Ok(()));
