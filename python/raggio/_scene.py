@@ -346,7 +346,7 @@ def load(
     """Reads a scene (``.toml``) or a model (glTF, GLB, PLY, OBJ, STL), which gets a camera, a ground and a sky.
 
     ``camera`` chooses one of a model's cameras by its name, or its number from 1 on. ``time_seconds`` is the moment of
-    animations. ``allow_outside`` lets models name files outside their own folder.
+    animations and of the camera's keyframes, which renders without a camera of their own follow. ``allow_outside`` lets models name files outside their own folder.
 
     Raises :class:`SceneError` where the file cannot be read, with the place and all that is wrong.
     """

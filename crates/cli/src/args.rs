@@ -4,8 +4,8 @@ use std::str::FromStr;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, UnknownArgumentValueParser};
 use clap::{Args, Parser, Subcommand};
 use raggio_render::{
-    Aov, Choice, CpuOptions, DeviceChoice, DeviceSelection, Every, OpenOptions, PictureFormat, PngBits, ToneMapper,
-    endings,
+    Aov, Choice, CpuOptions, DeviceChoice, DeviceSelection, Every, FrameRate, Frames, OpenOptions, PictureFormat,
+    PngBits, ToneMapper, endings,
 };
 use raggio_scene::{AssetOptions, Filter, Integrator, ModelFormat, Sampler};
 
@@ -37,7 +37,7 @@ pub struct Arguments {
 pub enum Command {
     /// Render a scene to image files
     #[command(after_help = EXIT_STATUSES)]
-    Render(RenderArguments),
+    Render(Box<RenderArguments>),
     /// Add up films of one scene, and make pictures of them
     #[command(after_help = EXIT_STATUSES)]
     Merge(MergeArguments),
@@ -89,6 +89,8 @@ pub struct RenderArguments {
     #[arg(short, long = "output", value_name = "FILE", help = output_help())]
     pub output: Vec<PathBuf>,
     #[command(flatten)]
+    pub frames: FrameArguments,
+    #[command(flatten)]
     pub machine: MachineArguments,
     #[command(flatten)]
     pub overrides: Overrides,
@@ -113,6 +115,24 @@ pub struct RenderArguments {
     pub progress: ProgressStyle,
     #[command(flatten)]
     pub look: LookArguments,
+}
+
+/// Frames of an animation.
+#[derive(Args)]
+pub struct FrameArguments {
+    /// Render these frames, as 1-240 or 1-3,5,7-10:2 (a step), each to its own files: a row of # in names stands for the
+    /// number; frame 1 is the moment of --time or 0. Whole frames that are there are not rendered again
+    #[arg(long, value_name = "RANGE")]
+    pub frames: Option<Frames>,
+    /// Frames a second
+    #[arg(long, value_name = "RATE", default_value = "24")]
+    pub fps: FrameRate,
+    /// Render frames again that are done already
+    #[arg(long, visible_alias = "force", requires = "frames")]
+    pub overwrite: bool,
+    /// Make a video (.mp4, H.264) of the frames when all are done; needs ffmpeg on the PATH
+    #[arg(long, value_name = "FILE", requires = "frames")]
+    pub video: Option<PathBuf>,
 }
 
 /// Colours and bits of PNGs.
@@ -260,6 +280,7 @@ impl AssetArguments {
         AssetOptions {
             allow_outside: self.allow_outside,
             time_seconds: self.time,
+            elapsed_seconds: None,
             picture: size.map(|size| [size.width, size.height]),
             camera: self.camera.clone(),
         }
@@ -446,7 +467,8 @@ fn scene_help(more: &str) -> String {
 }
 
 fn output_help() -> String {
-    format!("File to write, {}; may be given several times [default: NAME.png]", PictureFormat::listed())
+    let formats = PictureFormat::listed();
+    format!("File to write, {formats}; may be given several times [default: NAME.png, or NAME-####.png with --frames]")
 }
 
 fn merged_help() -> String {

@@ -10,8 +10,8 @@ use crate::error::{Failure, cannot_write};
 /// Files to write. What can fail early fails before any time is spent.
 pub struct Files {
     pub pictures: Vec<ImageFile>,
-    /// Denoiser, and a file beside each of `pictures`.
-    pub denoised: Option<(Denoiser, Vec<ImageFile>)>,
+    /// A file beside each of `pictures` for what is left without its noise, if that is asked for.
+    pub denoised: Vec<ImageFile>,
     pub display: Display,
     pub stats: Option<OutputFile>,
 }
@@ -53,9 +53,13 @@ impl Files {
         let pictured = pictures.iter().chain(&beside).map(ImageFile::file);
         let files: Vec<_> = pictured.chain(&stats).chain(&checkpoint).cloned().collect();
         check_apart(&files, inputs)?;
-        let denoised = if wanted.denoise { Some((Denoiser::open()?, beside)) } else { None };
-        Ok(Self { pictures, denoised, display: wanted.display, stats })
+        Ok(Self { pictures, denoised: beside, display: wanted.display, stats })
     }
+}
+
+/// The denoiser, if it is `wanted`.
+pub fn denoiser(wanted: bool) -> Result<Option<Denoiser>, Failure> {
+    Ok(if wanted { Some(Denoiser::open()?) } else { None })
 }
 
 /// A file other than a picture, which can be written to.

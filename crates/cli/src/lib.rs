@@ -11,8 +11,10 @@ mod output;
 mod progress;
 mod render;
 mod run;
+mod sequence;
 mod signals;
 mod stats;
+mod video;
 #[cfg(feature = "window")]
 mod view;
 

@@ -5,7 +5,7 @@ use raggio_scene::{counted, display_name};
 
 use crate::args::MergeArguments;
 use crate::error::Failure;
-use crate::files::{Files, Wanted};
+use crate::files::{Files, Wanted, denoiser};
 use crate::output::say;
 use crate::run::{both, write};
 
@@ -27,6 +27,7 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
         checkpoint: None,
     };
     let files = Files::new(&wanted, &arguments.films)?;
+    let denoiser = denoiser(wanted.denoise)?;
 
     let [first, others @ ..] = &arguments.films[..] else {
         return Err(Failure::Input("there is no film to merge".into()));
@@ -52,10 +53,10 @@ pub fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
 
     let picture = Picture::of_film(film);
     let mut outcome = write(&picture, &files.pictures, files.display, &tell);
-    if let Some((denoiser, beside)) = &files.denoised {
+    if let Some(denoiser) = &denoiser {
         tell("denoising");
         let denoised = picture.denoised(denoiser).map_err(Failure::from);
-        outcome = both(outcome, denoised.and_then(|picture| write(&picture, beside, files.display, &tell)));
+        outcome = both(outcome, denoised.and_then(|picture| write(&picture, &files.denoised, files.display, &tell)));
     }
     outcome
 }

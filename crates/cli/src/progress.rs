@@ -42,6 +42,20 @@ pub struct Reporter {
     checkpoint: Option<PathBuf>,
     /// Progress that was told last.
     last: Option<Progress>,
+    /// Frame of a sequence that is being rendered.
+    frame: Option<FramePlace>,
+}
+
+/// Place of a frame in the sequence that is rendered.
+#[derive(Clone, Copy, Debug)]
+pub struct FramePlace {
+    /// Number of the frame.
+    pub number: u32,
+    /// Frames before it that are done, and how many there are in all.
+    pub done: usize,
+    pub total: usize,
+    /// Mean seconds of those that this command has rendered; `None` for the first.
+    pub mean_seconds: Option<f64>,
 }
 
 enum Style {
@@ -93,7 +107,24 @@ impl Reporter {
                 Style::Lines { next: next + pause, pause }
             }
         };
-        Self { style, end, phase: Phase::Sampling, checkpoint: None, last: None }
+        Self { style, end, phase: Phase::Sampling, checkpoint: None, last: None, frame: None }
+    }
+
+    /// Takes the end of each frame of a sequence, once it is known.
+    pub fn set_end(&mut self, end: End) {
+        self.end = end;
+    }
+
+    /// Takes the frame of a sequence that comes next.
+    pub fn begin_frame(&mut self, frame: FramePlace) {
+        self.frame = Some(frame);
+        self.checkpoint = None;
+        let fraction = frame.done as f64 / frame.total as f64;
+        match &self.style {
+            Style::Bar(bar) => bar.set_position((1000.0 * fraction) as u64),
+            Style::OpenJd { .. } => say_openjd("progress", format_args!("{:.2}", 100.0 * fraction)),
+            _ => {}
+        }
     }
 
     /// Prints a line of its own, above the bar.
@@ -130,16 +161,17 @@ impl Reporter {
 
     pub fn update(&mut self, progress: &Progress) {
         self.last = Some(*progress);
-        let (end, now) = (self.end, Instant::now());
+        let (now, fraction) = (Instant::now(), whole_fraction(progress, self.frame));
+        let describe = |progress| describe(progress, self.end, self.frame);
         match &mut self.style {
             Style::Quiet | Style::Silent => {}
             Style::Bar(bar) => {
-                bar.set_position((1000.0 * progress.fraction) as u64);
-                bar.set_message(describe(progress, end));
+                bar.set_position((1000.0 * fraction) as u64);
+                bar.set_message(describe(progress));
             }
             Style::Lines { next, pause } => {
                 if now >= *next {
-                    say(format_args!("{:3.0}%  {}", 100.0 * progress.fraction, describe(progress, end)));
+                    say(format_args!("{:3.0}%  {}", 100.0 * fraction, describe(progress)));
                     // Long renders need no line every two seconds.
                     *pause = (*pause * 3 / 2).min(Duration::from_secs(60));
                     *next = now + *pause;
@@ -154,8 +186,8 @@ impl Reporter {
             Style::OpenJd { next } => {
                 if now >= *next {
                     *next = now + PAUSE;
-                    say_openjd("progress", format_args!("{:.2}", 100.0 * progress.fraction));
-                    say_openjd("status", describe(progress, end));
+                    say_openjd("progress", format_args!("{:.2}", 100.0 * fraction));
+                    say_openjd("status", describe(progress));
                 }
             }
         }
@@ -163,16 +195,21 @@ impl Reporter {
 
     /// Prints a line of figures as JSON.
     fn say_figures(&self, phase: &str, progress: &Progress) {
-        let line = json!({
+        let mut line = json!({
             "phase": phase,
-            "fraction": progress.fraction,
+            "fraction": whole_fraction(progress, self.frame),
             "samples": progress.samples,
             "samples_wanted": (self.end.samples < UNLIMITED_SAMPLES).then_some(self.end.samples),
             "seconds": progress.seconds,
-            "seconds_left": seconds_left(progress, self.end),
+            "seconds_left": seconds_left(progress, self.end, self.frame),
             "noise": progress.noise.map(|noise| noise.error).filter(|error| error.is_finite()),
             "checkpoint": self.checkpoint.as_ref().map(|path| path.to_string_lossy()),
         });
+        if let Some(FramePlace { number, done, total, .. }) = self.frame {
+            line["frame"] = number.into();
+            line["frames_done"] = done.into();
+            line["frames"] = total.into();
+        }
         say_json(&line);
     }
 
@@ -186,11 +223,16 @@ impl Reporter {
     /// Tells programs that all is done.
     pub fn done(&mut self) {
         self.checkpoint = None;
-        match (&self.style, &self.last) {
-            (Style::Json { .. }, Some(last)) => {
-                self.say_figures("done", &Progress { fraction: 1.0, ..*last });
+        if let Some(frame) = &mut self.frame {
+            frame.done = frame.total - 1;
+        }
+        match &self.style {
+            Style::Json { .. } => {
+                // Nothing is sampled where all frames were done before.
+                let none = Progress { samples: 0, total_samples: 0, fraction: 1.0, noise: None, seconds: 0.0 };
+                self.say_figures("done", &Progress { fraction: 1.0, ..self.last.unwrap_or(none) });
             }
-            (Style::OpenJd { .. }, _) => {
+            Style::OpenJd { .. } => {
                 say_openjd("progress", "100");
                 say_openjd("status", "done");
             }
@@ -205,6 +247,10 @@ impl Reporter {
         }
         if let Some(line) = describe_samples(film, progress.samples < target, target) {
             self.say(&line);
+        }
+        // Frames are many, and their figures are much alike.
+        if self.frame.is_some() {
+            return;
         }
         let seconds = progress.seconds.max(1e-9);
         self.say(&format!(
@@ -239,31 +285,43 @@ fn describe_samples(film: &Film, stopped: bool, target: u32) -> Option<String> {
     Some(text)
 }
 
-fn describe(progress: &Progress, end: End) -> String {
+fn describe(progress: &Progress, end: End, frame: Option<FramePlace>) -> String {
     let rate = progress.total_samples as f64 / progress.seconds.max(1e-9);
-    let samples = if end.samples < UNLIMITED_SAMPLES {
+    let mut text = match frame {
+        Some(FramePlace { number, done, total, .. }) => format!("frame {number} ({} of {total})  ", done + 1),
+        None => String::new(),
+    };
+    text += &if end.samples < UNLIMITED_SAMPLES {
         format!("{}/{}", progress.samples, counted(end.samples as usize, "sample"))
     } else {
         counted(progress.samples as usize, "sample")
     };
-    let mut text = format!("{samples}  {} samples/s", millions(rate));
+    text += &format!("  {} samples/s", millions(rate));
     if let Some(noise) = progress.noise.filter(|noise| noise.error.is_finite()) {
         let [error, resting] = [noise.error, noise.resting].map(|part| 100.0 * part);
         text += &format!("  error {error:.1} %, {resting:.0} % of the picture done");
     }
-    if let Some(left) = seconds_left(progress, end) {
+    if let Some(left) = seconds_left(progress, end, frame) {
         text += &format!("  {} left", duration(left));
     }
     text
 }
 
-/// Seconds that a render has still to go, as far as its rate tells.
-fn seconds_left(progress: &Progress, end: End) -> Option<f64> {
+/// Part of the whole that is done, all frames counted alike.
+fn whole_fraction(progress: &Progress, frame: Option<FramePlace>) -> f64 {
+    frame.map_or(progress.fraction, |frame| (frame.done as f64 + progress.fraction) / frame.total.max(1) as f64)
+}
+
+/// Seconds that a render has still to go, as far as its rate tells, and all frames after it.
+fn seconds_left(progress: &Progress, end: End, frame: Option<FramePlace>) -> Option<f64> {
     // Nobody knows how long it takes until the noise is low.
     let by_fraction =
         progress.noise.is_none().then(|| progress.seconds * (1.0 - progress.fraction) / progress.fraction.max(1e-9));
     let by_time = end.time_limit.map(|limit| (f64::from(limit) - progress.seconds).max(0.0));
-    [by_fraction, by_time].into_iter().flatten().reduce(f64::min)
+    let left = [by_fraction, by_time].into_iter().flatten().reduce(f64::min)?;
+    let Some(FramePlace { done, total, mean_seconds, .. }) = frame else { return Some(left) };
+    let each = mean_seconds.unwrap_or(progress.seconds + left);
+    Some(left + each * total.saturating_sub(done + 1) as f64)
 }
 
 /// Count in millions: `12.3 M`.
@@ -280,7 +338,7 @@ fn millions(count: f64) -> String {
 }
 
 /// Duration in words: `8.4 s`, `3 min 20 s`, `2 h 5 min`.
-fn duration(seconds: f64) -> String {
+pub fn duration(seconds: f64) -> String {
     let whole = seconds.round().min(1e9) as u64;
     match whole {
         0..60 => format!("{seconds:.1} s"),

@@ -8,9 +8,10 @@ use raggio_scene::{Assets, Integrator, Scene};
 
 use crate::args::{CheckpointArguments, DemoArguments, RenderArguments};
 use crate::error::Failure;
-use crate::files::{Files, Wanted};
+use crate::files::{Files, Wanted, denoiser};
 use crate::progress::ProgressStyle;
 use crate::run::{Job, run};
+use crate::sequence;
 
 const SHOWCASE: &str = include_str!("../../../scenes/showcase.toml");
 
@@ -19,6 +20,9 @@ pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
     let start = Instant::now();
     if !arguments.machine.quiet {
         arguments.progress.speak();
+    }
+    if let Some(frames) = &arguments.frames.frames {
+        return sequence::render(arguments, frames, start);
     }
     let mut assets = Assets::new(arguments.assets.options(arguments.overrides.size));
     let mut scene = Scene::load_with(&arguments.scene, &mut assets)?;
@@ -31,30 +35,47 @@ pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
     } else {
         arguments.output.clone()
     };
-    let mut request = RenderRequest {
+    let mut request = request(arguments, &outputs);
+    let wanted = wanted(arguments, &outputs, arguments.stats.as_deref(), arguments.checkpoints.checkpoint.as_deref());
+    let inputs: Vec<_> =
+        std::iter::once(arguments.scene.as_path()).chain(assets.all_files()).map(PathBuf::from).collect();
+    let files = Files::new(&wanted, &inputs)?;
+    let denoiser = denoiser(request.denoise)?;
+    request.checkpoints = checkpoints(&arguments.checkpoints, wanted.checkpoint, &files, &arguments.scene);
+    let (machine, overrides) = (&arguments.machine, &arguments.overrides);
+    let (denoiser, progress) = (denoiser.as_ref(), arguments.progress);
+    run(Job { start, scene, request, files: &files, denoiser, machine, overrides, progress })
+}
+
+/// Request for pictures in `outputs`, but for their samples and checkpoints.
+pub fn request(arguments: &RenderArguments, outputs: &[PathBuf]) -> RenderRequest {
+    RenderRequest {
         name: arguments.scene.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         layers: Aov::ALL.iter().copied().filter(|aov| arguments.aov.iter().any(|named| named.contains(aov))).collect(),
         denoise: arguments.denoise,
         label: outputs.iter().any(|path| PictureFormat::of_path(path) == Some(PictureFormat::Film)),
         stop: Stop { noise: arguments.stop.noise, time_limit: arguments.stop.time_limit, ..Stop::default() },
         ..RenderRequest::default()
-    };
+    }
+}
+
+/// Files that are asked for: pictures in `outputs`, figures and a checkpoint.
+pub fn wanted<'a>(
+    arguments: &RenderArguments,
+    outputs: &'a [PathBuf],
+    stats: Option<&'a Path>,
+    checkpoint: Option<&'a Path>,
+) -> Wanted<'a> {
     let look = &arguments.look;
-    let wanted = Wanted {
-        pictures: &outputs,
+    Wanted {
+        pictures: outputs,
         png_bits: look.png_bits,
         display: Display { exposure: look.exposure, tone_mapper: look.tone_mapper, ..Display::default() },
-        has_layers: !request.layers.is_empty(),
-        denoise: request.denoise,
-        stats: arguments.stats.as_deref(),
-        checkpoint: arguments.checkpoints.checkpoint.as_deref(),
-    };
-    let inputs: Vec<_> =
-        std::iter::once(arguments.scene.as_path()).chain(assets.all_files()).map(PathBuf::from).collect();
-    let files = Files::new(&wanted, &inputs)?;
-    request.checkpoints = checkpoints(&arguments.checkpoints, &files, &arguments.scene);
-    let (machine, overrides) = (&arguments.machine, &arguments.overrides);
-    run(Job { start, scene, request, files: &files, machine, overrides, progress: arguments.progress })
+        has_layers: !arguments.aov.is_empty(),
+        denoise: arguments.denoise,
+        stats,
+        checkpoint,
+    }
 }
 
 /// Runs `raggio demo`.
@@ -78,17 +99,23 @@ pub fn demo(arguments: &DemoArguments) -> Result<(), Failure> {
     };
     let files = Files::new(&wanted, &[])?;
     let (machine, overrides) = (&arguments.machine, &arguments.overrides);
-    run(Job { start, scene, request, files: &files, machine, overrides, progress: ProgressStyle::Auto })
+    let progress = ProgressStyle::Auto;
+    run(Job { start, scene, request, files: &files, denoiser: None, machine, overrides, progress })
 }
 
 /// Checkpoints that are asked for, or those beside the first output that has a place, else in the current folder.
-fn checkpoints(arguments: &CheckpointArguments, files: &Files, scene: &Path) -> Option<Checkpoints> {
-    let CheckpointArguments { checkpoint, checkpoint_every, no_checkpoint, resume } = arguments;
+pub fn checkpoints(
+    arguments: &CheckpointArguments,
+    wanted: Option<&Path>,
+    files: &Files,
+    scene: &Path,
+) -> Option<Checkpoints> {
+    let CheckpointArguments { checkpoint: _, checkpoint_every, no_checkpoint, resume } = arguments;
     if *no_checkpoint {
         return None;
     }
-    let mut checkpoints = match checkpoint {
-        Some(path) => Checkpoints { path: path.clone(), only_long: false, ..Checkpoints::beside(path) },
+    let mut checkpoints = match wanted {
+        Some(path) => Checkpoints { path: path.into(), only_long: false, ..Checkpoints::beside(path) },
         None => {
             let placed = files.pictures.iter().find(|file| file.file().place().is_some());
             let beside = placed.map_or(Path::new(scene.file_stem().unwrap_or_default()), |file| file.path());

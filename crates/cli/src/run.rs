@@ -6,10 +6,10 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use raggio_render::{
-    DeviceError, Display, ImageFile, Observer, Phase, Picture, Progress, RenderRequest, Rendered, Rendering, Stop,
-    UNLIMITED_SAMPLES,
+    Checkpoints, Denoiser, DeviceError, Display, Fingerprint, ImageFile, Observer, Phase, Picture, Progress,
+    RenderRequest, Rendered, Rendering, Stop, UNLIMITED_SAMPLES,
 };
-use raggio_scene::{Scene, counted, display_name};
+use raggio_scene::{RenderSettings, Scene, counted, display_name};
 
 use crate::args::{MachineArguments, Overrides};
 use crate::error::Failure;
@@ -25,6 +25,7 @@ pub struct Job<'a> {
     pub scene: Scene,
     pub request: RenderRequest,
     pub files: &'a Files,
+    pub denoiser: Option<&'a Denoiser>,
     pub machine: &'a MachineArguments,
     pub overrides: &'a Overrides,
     pub progress: ProgressStyle,
@@ -32,7 +33,7 @@ pub struct Job<'a> {
 
 /// Renders, writes all files, and says how it went.
 pub fn run(job: Job) -> Result<(), Failure> {
-    let Job { start, mut scene, mut request, files, machine, overrides, progress } = job;
+    let Job { start, mut scene, mut request, files, denoiser, machine, overrides, progress } = job;
     override_settings(&mut scene, overrides);
     request.stop.samples = overrides.samples.map(|range| range.start..range.end);
     let warn = |warning: &str| {
@@ -41,67 +42,136 @@ pub fn run(job: Job) -> Result<(), Failure> {
         }
     };
     scene.warnings.iter().for_each(|warning| warn(warning));
-    if let Some(kept) = request.checkpoints.as_ref().filter(|kept| !kept.resume && kept.path.exists()) {
-        let path = display_name(&kept.path);
-        warn(&format!(
-            "{path} is left of an earlier render: --resume goes on from it, and otherwise it will be replaced"
-        ));
-    }
+    warn_of_left(request.checkpoints.as_ref(), &warn);
     raggio_render::check_memory(scene.render.width, scene.render.height)?;
     let device = ready(machine.quiet, || raggio_render::open_all(&machine.device, &machine.options(), warn))?;
     let (stop, checkpoint) = (request.stop.clone(), request.checkpoints.as_ref().map(|kept| kept.path.clone()));
     let mut rendering = Rendering::begin(&scene, &*device, request)?;
     ready(machine.quiet, || rendering.prepare())?;
     let setup_seconds = start.elapsed().as_secs_f64();
-    let samples = rendering.samples();
-    let target = if samples.end < UNLIMITED_SAMPLES { samples.len() as u32 } else { UNLIMITED_SAMPLES };
-    // The number of samples is no end to be expected where noise is to end it.
-    let expected = if stop.noise.is_none() { target } else { UNLIMITED_SAMPLES };
-    let end = End { samples: expected, time_limit: stop.time_limit };
-    let reporter = Reporter::new(machine.quiet, progress, end);
-    let (width, height) = (scene.render.width, scene.render.height);
-    reporter.say(&format!("{width}x{height}, {} on {}", describe_end(&samples, &stop), device.name()));
+    let target = Target::of(&rendering, &stop);
+    let reporter = Reporter::new(machine.quiet, progress, target.end);
+    reporter.say(&format!("{}, {} on {}", size_of(&scene), target.words, device.name()));
+    tell_where_it_goes_on(&rendering, &reporter);
+
+    let mut listener = Listener { reporter, stopped: signals::listen(rendering.stop_flag()) };
+    let rendered = rendering.run(&mut listener)?;
+    listener.reporter.finish();
+    let made = Made {
+        rendered,
+        files,
+        denoiser,
+        device: &device.name(),
+        settings: &scene.render,
+        setup_seconds,
+        target: target.samples,
+        checkpoint: checkpoint.as_deref(),
+        fingerprint: None,
+    };
+    made.conclude(&mut listener)?;
+    listener.reporter.done();
+    Ok(())
+}
+
+/// Warns of a checkpoint that is there though nobody wants to go on from it.
+pub fn warn_of_left(checkpoints: Option<&Checkpoints>, warn: &dyn Fn(&str)) {
+    if let Some(kept) = checkpoints.filter(|kept| !kept.resume && kept.path.exists()) {
+        let path = display_name(&kept.path);
+        warn(&format!(
+            "{path} is left of an earlier render: --resume goes on from it, and otherwise it will be replaced"
+        ));
+    }
+}
+
+/// Size of a scene's picture, in words.
+pub fn size_of(scene: &Scene) -> String {
+    format!("{}x{}", scene.render.width, scene.render.height)
+}
+
+/// Says from which checkpoint a render goes on, if it does.
+pub fn tell_where_it_goes_on(rendering: &Rendering, reporter: &Reporter) {
     if let Some(path) = rendering.resumed() {
         let has = counted(rendering.progress().samples as usize, "sample");
         reporter.say(&format!("going on from {}, which has {has} per pixel", display_name(path)));
     }
+}
 
-    let mut listener = Listener { reporter, stopped: signals::listen(rendering.stop_flag()) };
-    let mut rendered = rendering.run(&mut listener)?;
-    let Listener { mut reporter, stopped } = listener;
-    reporter.finish();
-    let failure = rendered.failure.take();
-    let signal = stopped.signal();
-    let (picture, progress) = (&rendered.picture, &rendered.progress);
-    reporter.report(&picture.film, progress, if rendered.finished { progress.samples } else { target });
-    // One thing that fails is no reason to lose the others.
-    reporter.begin(Phase::Writing);
-    let mut outcome = write(picture, &files.pictures, files.display, &|line| reporter.say(line));
-    if let (Some((denoiser, beside)), None) = (&files.denoised, &failure) {
-        reporter.begin(Phase::Denoising);
-        let denoised = picture.denoised(denoiser).map_err(Failure::from);
-        let tell = |line: &str| reporter.say(line);
-        let written = denoised.and_then(|picture| write(&picture, beside, files.display, &tell));
-        outcome = both(outcome, written);
+/// End of a render, as it is asked for.
+pub struct Target {
+    /// Samples of each pixel, or `UNLIMITED_SAMPLES`.
+    pub samples: u32,
+    pub end: End,
+    /// The end in words.
+    pub words: String,
+}
+
+impl Target {
+    pub fn of(rendering: &Rendering, stop: &Stop) -> Self {
+        let range = rendering.samples();
+        let samples = if range.end < UNLIMITED_SAMPLES { range.len() as u32 } else { UNLIMITED_SAMPLES };
+        // The number of samples is no end to be expected where noise is to end it.
+        let expected = if stop.noise.is_none() { samples } else { UNLIMITED_SAMPLES };
+        let end = End { samples: expected, time_limit: stop.time_limit };
+        Self { samples, end, words: describe_end(&range, stop) }
     }
-    if let Some(file) = &files.stats {
-        let stats = Stats { device: &device.name(), rendered: &rendered, settings: &scene.render, setup_seconds };
-        outcome = both(outcome, stats.write(file));
-    }
-    if let Err(Failure::Unwritten(message)) = outcome {
-        outcome = Err(rescued(&rendered, files, message));
-    }
-    let is_stopped = signal.is_some() || failure.is_some();
-    if outcome.is_ok() && !is_stopped {
-        if let Err(error) = rendered.remove_checkpoints() {
-            reporter.say(&format!("warning: a checkpoint is left over: {error}"));
+}
+
+/// A picture that has been rendered, and what is to become of it.
+pub struct Made<'a> {
+    pub rendered: Rendered,
+    pub files: &'a Files,
+    pub denoiser: Option<&'a Denoiser>,
+    pub device: &'a str,
+    pub settings: &'a RenderSettings,
+    pub setup_seconds: f64,
+    /// Samples of each pixel that were asked for.
+    pub target: u32,
+    /// Path at which its checkpoint was to be.
+    pub checkpoint: Option<&'a Path>,
+    /// Fingerprint for its files, if they are to have one.
+    pub fingerprint: Option<Fingerprint>,
+}
+
+impl Made<'_> {
+    /// Writes all files, and says how it went.
+    pub fn conclude(mut self, listener: &mut Listener) -> Result<(), Failure> {
+        let Listener { reporter, stopped } = listener;
+        let failure = self.rendered.failure.take();
+        let signal = stopped.signal();
+        let is_stopped = signal.is_some() || failure.is_some();
+        if let Some(metadata) = &mut self.rendered.picture.extras.metadata {
+            metadata.fingerprint = self.fingerprint.filter(|_| !is_stopped);
         }
-        reporter.done();
-    } else if is_stopped {
-        tell_how_to_go_on(&rendered, signal, checkpoint.as_deref(), &reporter);
+        let Self { rendered, files, denoiser, device, settings, setup_seconds, target, checkpoint, .. } = &self;
+        let (picture, progress) = (&rendered.picture, &rendered.progress);
+        reporter.report(&picture.film, progress, if rendered.finished { progress.samples } else { *target });
+        // One thing that fails is no reason to lose the others.
+        reporter.begin(Phase::Writing);
+        let mut outcome = write(picture, &files.pictures, files.display, &|line| reporter.say(line));
+        if let (Some(denoiser), None) = (denoiser, &failure) {
+            reporter.begin(Phase::Denoising);
+            let denoised = picture.denoised(denoiser).map_err(Failure::from);
+            let tell = |line: &str| reporter.say(line);
+            let written = denoised.and_then(|picture| write(&picture, &files.denoised, files.display, &tell));
+            outcome = both(outcome, written);
+        }
+        if let Some(file) = &files.stats {
+            let stats = Stats { device, rendered, settings, setup_seconds: *setup_seconds };
+            outcome = both(outcome, stats.write(file));
+        }
+        if let Err(Failure::Unwritten(message)) = outcome {
+            outcome = Err(rescued(rendered, files, message));
+        }
+        if outcome.is_ok() && !is_stopped {
+            if let Err(error) = rendered.remove_checkpoints() {
+                reporter.say(&format!("warning: a checkpoint is left over: {error}"));
+            }
+        } else if is_stopped {
+            tell_how_to_go_on(rendered, signal, *checkpoint, reporter);
+        }
+        both(outcome, failure.map_or(Ok(()), |error| Err(error.into())))?;
+        signal.map_or(Ok(()), |signal| Err(Failure::Interrupted(signal)))
     }
-    both(outcome, failure.map_or(Ok(()), |error| Err(error.into())))?;
-    signal.map_or(Ok(()), |signal| Err(Failure::Interrupted(signal)))
 }
 
 /// Says where the film of a render that has ended early is, and how to go on from it; `wanted` is where it was to be.
@@ -132,7 +202,7 @@ fn rescued(rendered: &Rendered, files: &Files, message: String) -> Failure {
 }
 
 /// Makes the device ready by `prepare`, and says so where it takes a while: drivers compile kernels then.
-fn ready<T>(quiet: bool, prepare: impl FnOnce() -> Result<T, DeviceError>) -> Result<T, DeviceError> {
+pub fn ready<T>(quiet: bool, prepare: impl FnOnce() -> Result<T, DeviceError>) -> Result<T, DeviceError> {
     const A_WHILE: Duration = Duration::from_secs(1);
     std::thread::scope(|scope| {
         let (done, wait) = channel::<()>();
@@ -174,9 +244,9 @@ pub fn both(first: Result<(), Failure>, second: Result<(), Failure>) -> Result<(
 }
 
 /// Reports progress, and breaks off when a signal has come.
-struct Listener {
-    reporter: Reporter,
-    stopped: Stopped,
+pub struct Listener {
+    pub reporter: Reporter,
+    pub stopped: Stopped,
 }
 
 impl Observer for Listener {
@@ -198,7 +268,8 @@ impl Observer for Listener {
     }
 }
 
-fn override_settings(scene: &mut Scene, overrides: &Overrides) {
+/// Has the command line's settings take the place of the scene's.
+pub fn override_settings(scene: &mut Scene, overrides: &Overrides) {
     let Overrides { samples, size, max_depth, seed, sampler, filter, clamp, alpha, foreign: _ } = *overrides;
     let render = &mut scene.render;
     render.samples = samples.map_or(render.samples, |range| range.end - range.start);

@@ -3,6 +3,7 @@
 mod bench;
 mod common;
 mod film;
+mod frames;
 mod merge;
 mod outputs;
 mod refusals;

@@ -25,8 +25,8 @@ impl BufferBytes<'_> {
 /// Names of the lists over meshes, as [`BufferBytes::name`] gives them.
 const MESH_BUFFERS: [&str; 5] = ["mesh_nodes", "triangles", "triangle_materials", "meshes", "attributes"];
 /// Names of the lists in which one view of a scene differs from another; `check_counts` looks at all that can be wrong
-/// there.
-const VIEW_BUFFERS: [&str; 4] = ["camera", "camera_media", "counts", "filter_table"];
+/// there, and `check_motion`.
+const VIEW_BUFFERS: [&str; 6] = ["camera", "camera_media", "counts", "filter_table", "motion", "motion_rows"];
 
 pub use generated::*;
 
@@ -105,12 +105,43 @@ impl SceneBuffers {
         }
         let same_places = checked.counts.first().is_some_and(|counts| counts.unbounded == self.counts[0].unbounded);
         if same_places && changed.iter().all(|name| VIEW_BUFFERS.contains(name)) {
-            return Ok(());
+            return self.check_motion();
         }
         self.check_textures()?;
         self.check_shapes()?;
         self.check_lights()?;
-        self.check_levels()
+        self.check_levels()?;
+        self.check_motion()
+    }
+
+    /// Checks that each shape of a scene that moves has its motion, and each vertex its place before.
+    fn check_motion(&self) -> Result<(), BrokenScene> {
+        let [motion] = &self.motion[..] else { return fail("`motion` must have one element") };
+        if motion.moves == 0 {
+            return Ok(());
+        }
+        let (rows, shape_rows) = (self.motion_rows.as_slice(), MOTION_ROWS as usize);
+        if rows.len() < shape_rows * self.order.len() {
+            return fail("`motion_rows` disagrees with `order`");
+        }
+        let is_known = |(shape, rows_of_shape): (&ShapeReference, &[[f32; 4]])| {
+            let first = rows_of_shape[shape_rows - 1][0].to_bits();
+            let is_mesh = shape.kind == ShapeKind::Instance as u32;
+            let largest = || self.largest_vertex(shape.index).filter(|_| is_mesh);
+            first == NONE || largest().is_some_and(|largest| u64::from(first) + u64::from(largest) < rows.len() as u64)
+        };
+        match self.order.iter().zip(rows.chunks_exact(shape_rows)).all(is_known) {
+            true => Ok(()),
+            false => fail("a vertex has no place before"),
+        }
+    }
+
+    /// Largest number of a vertex of an instance's mesh.
+    fn largest_vertex(&self, instance: u32) -> Option<u32> {
+        let mesh = self.meshes.get(self.instances.get(instance as usize)?.mesh as usize)?;
+        let first = mesh.first_triangle as usize;
+        let corners = |triangle: &Triangle| [triangle.a[3], triangle.b[3], triangle.c[3]].map(f32::to_bits);
+        self.triangles.get(first..first + mesh.triangles as usize)?.iter().flat_map(corners).max()
     }
 
     fn check_levels(&self) -> Result<(), BrokenScene> {
@@ -372,6 +403,7 @@ mod tests {
             materials: vec![Material { principled: NONE, ..Material::default() }].into(),
             nodes: Arc::new(nodes.iter().map(node).collect()),
             albedos: vec![[0; 2]; ALBEDO_NODES as usize].into(),
+            motion: vec![Motion::default()].into(),
             counts: vec![SceneCounts {
                 shapes: 1,
                 nodes: nodes.len() as u32,
@@ -419,6 +451,13 @@ mod tests {
         refused(SceneBuffers { materials: vec![material].into(), ..tree() });
         let mesh = Mesh { triangles: 1, normals: NONE, ..Mesh::default() };
         refused(SceneBuffers { meshes: vec![mesh].into(), ..tree() });
+        let moving: Arc<Vec<Motion>> = vec![Motion { moves: 1, ..Motion::default() }].into();
+        let rows = |first: u32| vec![[0.0; 4], [0.0; 4], [0.0; 4], [f32::from_bits(first), 0.0, 0.0, 0.0]];
+        let moved = |first| SceneBuffers { motion: moving.clone(), motion_rows: rows(first).into(), ..tree() };
+        assert_eq!(moved(NONE).check(), Ok(()));
+        refused(SceneBuffers { motion: vec![].into(), ..tree() });
+        refused(SceneBuffers { motion: moving.clone(), ..tree() });
+        refused(moved(0));
     }
 
     #[test]

@@ -28,15 +28,15 @@ impl View {
 }
 
 impl Feature {
-    /// Whether the feature's values are numbers of things: these have no mean, so that one sample from the pixel's
-    /// middle has to do.
-    pub fn is_index(self) -> bool {
-        matches!(self, Self::Object | Self::Material)
+    /// Whether the feature's values have no mean, as numbers of things and ways of several things: one sample from the
+    /// pixel's middle has to do.
+    pub fn is_single(self) -> bool {
+        matches!(self, Self::Object | Self::Material | Self::Motion)
     }
 
     /// Filter for the feature's samples, where the picture has `chosen`.
     pub fn filter(self, chosen: u32) -> u32 {
-        if self.is_index() { PixelFilter::Point as u32 } else { chosen }
+        if self.is_single() { PixelFilter::Point as u32 } else { chosen }
     }
 }
 

@@ -144,7 +144,8 @@ impl SceneText {
     ) -> PyResult<(Self, Vec<String>)> {
         guarded(py, || {
             on_threads(|| {
-                let mut assets = Assets::new(AssetOptions { allow_outside, time_seconds, picture: None, camera });
+                let options = AssetOptions { allow_outside, time_seconds, camera, ..AssetOptions::default() };
+                let mut assets = Assets::new(options);
                 let scene = Scene::load_with(&path, &mut assets).map_err(scene_error)?;
                 let text = scene_text(&path, &mut assets).map_err(scene_error)?;
                 let mut inner = Inner::new(&text, path, assets)?;

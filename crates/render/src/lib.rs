@@ -8,6 +8,7 @@
 
 mod checkpoint;
 mod devices;
+mod frames;
 mod pictures;
 mod renderer;
 mod rendering;
@@ -22,13 +23,15 @@ pub use devices::device::{Answer, Device, DeviceError, DeviceInfo, Question, Ses
 pub use devices::group::DeviceGroup;
 pub use devices::machine::{TooLarge, check_memory, memory_bytes, peak_memory_bytes, total_memory_bytes};
 pub use devices::vulkan::VulkanDevice;
+pub use frames::{FrameRate, Frames, Pattern};
 pub use pictures::aov::{Aov, Channel, Features, Values};
 pub use pictures::display::{Display, Pixels, show_bytes, show_image};
 pub use pictures::file_faults::{file_fault_is_due, pretend_file_fault};
 pub use pictures::film::{Film, FilmError, Label, MergeError, Portion, film_bytes};
+pub use pictures::fingerprint::Fingerprint;
 pub use pictures::format::PictureFormat;
 pub use pictures::image_file::{Extras, ImageFile, OutputError, encode_png, write_png};
-pub use pictures::image_input::InputError;
+pub use pictures::image_input::{DisplayedImage, InputError};
 pub use pictures::linear_image::Image;
 pub use pictures::metadata::Metadata;
 pub use pictures::output_file::{OutputFile, abandon_files, write_whole};

@@ -4,6 +4,7 @@ pub mod aov;
 pub mod display;
 pub mod file_faults;
 pub mod film;
+pub mod fingerprint;
 pub mod format;
 pub mod image_file;
 pub mod image_input;

@@ -17,9 +17,9 @@ use crate::devices::films::Films;
 use crate::pictures::film::{Film, Label, Portion};
 use crate::translation::device_scene::DeviceScene;
 
-use identity::{Identity, settings};
+use identity::Identity;
 
-pub(crate) use identity::LateLabel;
+pub(crate) use identity::{LateLabel, motion_hash, scene_hash, settings};
 
 /// Adds samples to the film that a session shows, a portion at a time: each as long as the device has patience for.
 ///

@@ -10,7 +10,7 @@ use std::time::Instant;
 use raggio_kernels::MAX_NESTED_MEDIA;
 use raggio_scene::Scene;
 
-use crate::checkpoint::{Checkpoint, CheckpointError, Every, Keeper, SamplingState};
+use crate::checkpoint::{Checkpoint, CheckpointError, Checkpoints, Every, Keeper, SamplingState};
 use crate::devices::device::{Device, DeviceError};
 use crate::devices::machine::{TooLarge, check_films};
 use crate::pictures::aov::Features;
@@ -105,27 +105,73 @@ impl Rendering {
     pub fn begin(scene: &Scene, device: &dyn Device, request: RenderRequest) -> Result<Self, RenderError> {
         check_films(scene.render.width, scene.render.height, request.films_beside(scene.render.alpha))?;
         let device_scene = DeviceScene::new(scene)?;
+        Self::begin_translated(scene, device_scene, device, request)
+    }
+
+    /// Begins as [`Rendering::begin`] does, with what `scene` has been translated to.
+    ///
+    /// # Errors
+    /// The errors of [`Rendering::begin`].
+    pub fn begin_translated(
+        scene: &Scene,
+        device_scene: DeviceScene,
+        device: &dyn Device,
+        request: RenderRequest,
+    ) -> Result<Self, RenderError> {
+        check_films(scene.render.width, scene.render.height, request.films_beside(scene.render.alpha))?;
         let session = device.load(&device_scene)?;
         let mut renderer = Renderer::new(session, &device_scene, request.stop.samples(&scene.render));
         if let Some(noise) = request.stop.noise {
             renderer.set_noise(noise.into());
         }
         let metadata = Metadata::new(scene, &request.name);
-        let mut keeper = request.checkpoints.as_ref().map(Keeper::new).transpose()?;
-        if let Some(Every::Samples(samples)) = request.checkpoints.as_ref().map(|kept| kept.every) {
-            renderer.set_longest_pass(samples);
-        }
-        let (mut resumed, mut spent, mut warnings) = (None, 0.0, vec![]);
-        let resumes = request.checkpoints.as_ref().is_some_and(|kept| kept.resume);
-        let found = match keeper.as_mut().filter(|_| resumes) {
-            Some(keeper) => keeper.find(&mut |warning| warnings.push(warning))?,
-            None => None,
+        let mut rendering = Self {
+            renderer,
+            scene: device_scene,
+            request,
+            metadata,
+            keeper: None,
+            resumed: None,
+            spent: 0.0,
+            is_done: false,
+            warnings: vec![],
         };
-        if let Some((path, checkpoint)) = found {
-            renderer.resume(&checkpoint, &path)?;
-            (resumed, spent) = (Some(path), checkpoint.state.spent);
+        rendering.keep_checkpoints()?;
+        Ok(rendering)
+    }
+
+    /// Goes on with the next frame of a sequence, which has been translated to `device_scene` and has checkpoints of its own.
+    ///
+    /// # Errors
+    /// The errors of [`Rendering::begin`].
+    pub fn next_frame(
+        &mut self,
+        scene: &Scene,
+        device_scene: DeviceScene,
+        checkpoints: Option<Checkpoints>,
+    ) -> Result<(), RenderError> {
+        self.check_memory(scene)?;
+        self.scene = device_scene;
+        self.restart(scene)?;
+        self.request.checkpoints = checkpoints;
+        self.keep_checkpoints()
+    }
+
+    /// Keeps the checkpoints that are asked for, and goes on from one if there is one and that is asked for too.
+    fn keep_checkpoints(&mut self) -> Result<(), RenderError> {
+        (self.keeper, self.resumed) = (None, None);
+        let Some(wanted) = &self.request.checkpoints else { return Ok(()) };
+        let mut keeper = Keeper::new(wanted)?;
+        if let Every::Samples(samples) = wanted.every {
+            self.renderer.set_longest_pass(samples);
         }
-        Ok(Self { renderer, scene: device_scene, request, metadata, keeper, resumed, spent, is_done: false, warnings })
+        let found = if wanted.resume { keeper.find(&mut |warning| self.warnings.push(warning))? } else { None };
+        if let Some((path, checkpoint)) = found {
+            self.renderer.resume(&checkpoint, &path)?;
+            (self.resumed, self.spent) = (Some(path), checkpoint.state.spent);
+        }
+        self.keeper = Some(keeper);
+        Ok(())
     }
 
     /// Path of the checkpoint that the render goes on from, if there is one.

@@ -9,4 +9,5 @@ pub mod hierarchy;
 pub mod lights;
 pub mod media;
 pub mod meshes;
+pub mod motion;
 pub mod textures;

@@ -24,6 +24,9 @@ pub struct AssetOptions {
     pub allow_outside: bool,
     /// Time at which all animations are sampled, in place of the scene file's.
     pub time_seconds: Option<f64>,
+    /// Seconds since the first frame of a sequence, which are added to every time, and to 0 where there is none; below 0
+    /// before that frame. `None` is a still.
+    pub elapsed_seconds: Option<f64>,
     /// Width and height, in pixels, of the pictures of models that are shown without a scene file.
     pub picture: Option<[u32; 2]>,
     /// Camera of a model that is shown without a scene file: its name, or its number from 1 on. `None`: the first.
@@ -44,6 +47,8 @@ pub struct Assets {
     given_models: HashMap<PathBuf, Arc<Imported>>,
     /// Images that no file holds, by the paths at which scenes find them.
     given_images: HashMap<PathBuf, Arc<Picture>>,
+    /// Times at which models were read that are equal at every time, by their paths.
+    still: HashMap<PathBuf, Option<f64>>,
     /// Whether files have changed that no scene was made of since.
     is_stale: bool,
 }
@@ -82,6 +87,32 @@ impl Assets {
         &self.options
     }
 
+    /// Goes to another frame of a sequence, `seconds` after the first: scenes that are read from now on are at that moment.
+    pub fn set_elapsed(&mut self, seconds: f64) {
+        self.options.elapsed_seconds = Some(seconds);
+    }
+
+    /// The model at `path` at the first frame of the sequence, and at the moment of the options: the same for a still.
+    pub(crate) fn model_at_first(&mut self, path: PathBuf) -> Result<[Arc<Imported>; 2], Trouble> {
+        let elapsed = self.options.elapsed_seconds;
+        self.options.elapsed_seconds = elapsed.map(|_| 0.0);
+        let first = self.model(path.clone(), None);
+        self.options.elapsed_seconds = elapsed;
+        Ok([first?, self.model(path, None)?])
+    }
+
+    /// Time of the camera: it moves with the sequence, and stands at its beginning otherwise.
+    pub(crate) fn camera_seconds(&self) -> f64 {
+        self.moment(None).unwrap_or(0.0)
+    }
+
+    /// Time of an animation for which the scene file has `own`, if it has any.
+    fn moment(&self, own: Option<f64>) -> Option<f64> {
+        let time = self.options.time_seconds.or(own);
+        let elapsed = self.options.elapsed_seconds.map(|elapsed| (time.unwrap_or(0.0) + elapsed).max(0.0));
+        elapsed.or(time)
+    }
+
     /// Canonical paths of the files that the last scene was made of, in no order; not of those that models name.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.models.files().chain(self.images.files())
@@ -104,6 +135,7 @@ impl Assets {
     pub fn refresh(&mut self) -> bool {
         self.is_stale |= self.models.refresh();
         self.is_stale |= self.images.refresh();
+        self.still.clear();
         self.is_stale
     }
 
@@ -122,16 +154,27 @@ impl Assets {
         let Some(format) = Format::of_path(&path) else {
             return Err(Trouble::whole(format!("is not a model: give a {} file", endings::<Format>())));
         };
-        let AssetOptions { allow_outside, time_seconds: overriding, .. } = self.options;
-        let time_seconds = overriding.or(time_seconds).filter(|_| format.is_animated());
-        self.models.get_or_read(Key::new(path, time_seconds), |path| {
+        let allow_outside = self.options.allow_outside;
+        let time_seconds = match self.still.get(&path) {
+            Some(known) => *known,
+            None => self.moment(time_seconds).filter(|_| format.is_animated()),
+        };
+        let model = self.models.get_or_read(Key::new(path.clone(), time_seconds), |path, earlier| {
             let most_bytes = budget(LoadOptions::default().most_bytes);
             let options = LoadOptions { time_seconds, allow_outside, most_bytes };
             let model = raggio_models::load(path, &options);
             let model =
                 model.map_err(|error| Trouble { place: error.place, message: names::escaped(&error.message) })?;
-            Ok(Imported::new(model))
-        })
+            let imported = Imported::new(model);
+            Ok(match earlier {
+                Some(earlier) => imported.sharing(earlier),
+                None => imported,
+            })
+        })?;
+        if !model.is_animated {
+            self.still.insert(path, time_seconds);
+        }
+        Ok(model)
     }
 
     /// The image at `path`.
@@ -139,7 +182,7 @@ impl Assets {
         if let Some(given) = self.given_images.get(&path) {
             return Ok(given.clone());
         }
-        self.images.get_or_read(Key::new(path, None), |path| {
+        self.images.get_or_read(Key::new(path, None), |path, _| {
             let most_bytes = budget(Limits::default().most_bytes);
             let image = Image::load(path, &Limits { most_bytes, ..Limits::default() });
             let told = |error: ImageError| match &error.problem {

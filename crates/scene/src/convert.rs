@@ -2,6 +2,7 @@
 //! than one number.
 
 mod environment;
+mod keyframes;
 mod materials;
 mod meshes;
 mod principled;
@@ -14,7 +15,7 @@ use std::path::{Path, PathBuf};
 use glam::{DVec3, Vec3};
 use raggio_models::Format;
 
-use crate::assets::{Assets, Imported};
+use crate::assets::{AssetOptions, Assets, Imported};
 use crate::fault::{Fault, steps};
 use crate::file::{CameraFile, MeshFile, RenderFile, SceneFile, ShapeFile};
 use crate::names;
@@ -32,14 +33,16 @@ pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets, review
     let mut warnings = Vec::new();
     let files =
         &mut Files { folder, assets, review, troubles: HashMap::new(), warnings: Vec::new(), warned: HashSet::new() };
-    review.accept(check_camera(&file.camera));
-    let projection = review.accept(projection::projection(&file.camera));
+    keyframes::check(&file.camera, review, check_camera);
+    let posed = keyframes::posed(&file.camera, files.assets.camera_seconds());
+    review.accept(check_camera(&posed));
+    let projection = review.accept(projection::projection(&posed));
     let environment = file.environment.as_ref().and_then(|file| review.accept(environment::environment(file, files)));
     let materials = materials::materials(&file.materials, files, &mut warnings);
     let shapes = &file.shapes.0;
     let mut scene = Scene {
         render: render(&file.render),
-        camera: camera(&file.camera, projection.unwrap_or(STAND_IN)),
+        camera: camera(&posed, projection.unwrap_or(STAND_IN)),
         environment: environment.unwrap_or(Environment::Constant(Vec3::ZERO)),
         shapes: Vec::with_capacity(shapes.len()),
         entries: Vec::with_capacity(shapes.len()),
@@ -59,9 +62,9 @@ pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets, review
     }
     warnings.append(&mut files.warnings);
     if review.count() == 0 {
-        warnings.extend(radians(&file.camera));
+        warnings.extend(radians(&posed));
         warnings.extend(sheets(&scene, shapes));
-        warnings.extend(stillness(shapes, files));
+        warnings.extend(stillness(&file.camera, shapes, files));
         warnings.extend(darkness(&scene));
     }
     (scene, warnings)
@@ -186,16 +189,17 @@ fn radians(file: &CameraFile) -> Option<Fault> {
 }
 
 /// Warnings of moments at which nothing is different: few files move.
-fn stillness(shapes: &[ShapeFile], files: &mut Files<'_>) -> Vec<Fault> {
+fn stillness(camera: &CameraFile, shapes: &[ShapeFile], files: &mut Files<'_>) -> Vec<Fault> {
     let format = |mesh: &MeshFile| Format::of_path(Path::new(&mesh.file));
     let may_move = |mesh: &MeshFile| format(mesh).is_some_and(Format::is_animated);
-    let is_overridden = files.assets.options().time_seconds.is_some();
+    let AssetOptions { time_seconds, elapsed_seconds, .. } = *files.assets.options();
     let mut moves = |mesh: &MeshFile| files.model(mesh, Vec::new()).is_ok_and(|model| model.is_animated);
     let mut meshes = shapes.iter().enumerate().filter_map(|(index, shape)| Some((index, shape.mesh.as_ref()?)));
-    if is_overridden {
-        let message = "a time is given, but nothing in the scene moves";
+    if time_seconds.is_some() || elapsed_seconds.is_some() {
+        let given = if elapsed_seconds.is_some() { "frames are asked for" } else { "a time is given" };
+        let message = format!("{given}, but nothing in the scene moves");
         let still = match () {
-            () if meshes.clone().any(|(_, mesh)| moves(mesh)) => return Vec::new(),
+            () if keyframes::moves(camera) || meshes.clone().any(|(_, mesh)| moves(mesh)) => return Vec::new(),
             () if meshes.any(|(_, mesh)| may_move(mesh)) => "its .gltf and .glb files have no animations",
             () => "only .gltf and .glb files have animations",
         };

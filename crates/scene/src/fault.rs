@@ -191,8 +191,15 @@ pub(crate) fn place(path: &[Step]) -> String {
         [Step::Key(shapes), Step::Index(index), Step::Key(key)] if shapes == "shapes" => {
             format!("in {} of shape {}", names::quoted(key), index + 1)
         }
+        [table, list, Step::Index(index)] if is_keyframes(table, list) => {
+            format!("in keyframe {} of [camera]", index + 1)
+        }
         _ => format!("in [{}]", dotted(path)),
     }
+}
+
+fn is_keyframes(table: &Step, list: &Step) -> bool {
+    [table, list] == [&Step::from("camera"), &Step::from("keyframes")]
 }
 
 fn dotted(path: &[Step]) -> String {
@@ -210,6 +217,9 @@ pub(crate) fn subject(path: &[Step]) -> String {
         [Step::Key(key)] => names::quoted(key),
         [Step::Key(shapes), Step::Index(index)] if shapes == "shapes" => {
             format!("shape {}", index + 1)
+        }
+        [table, list, Step::Index(index)] if is_keyframes(table, list) => {
+            format!("keyframe {} of [camera]", index + 1)
         }
         [head @ .., Step::Key(key)] => format!("{} {}", names::quoted(key), place(head)),
         [head @ .., Step::Index(index)] => {

@@ -2,6 +2,7 @@
 //!
 //! Doc comments of these types are the descriptions in the schema, so they speak to whoever writes a scene.
 
+mod keyframes;
 mod principled;
 
 use std::fmt;
@@ -11,6 +12,7 @@ use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Value, json};
 
+use crate::curve::Interpolation;
 use crate::named::Named;
 use crate::number::{
     Brightness, Coordinate, FieldOfView, FocalLength, Fraction, NonNegative, PixelPlace, Positive, Reflectance,
@@ -18,6 +20,7 @@ use crate::number::{
 };
 use crate::scene::{Filter, Panorama, RenderSettings, Sampler};
 
+pub(crate) use keyframes::{KeyframeFile, Keyframes};
 pub(crate) use principled::{
     AlphaModeFile, PrincipledFile, TextureFile, TextureFilterFile, TextureTable, WrapFile, WrapName,
 };
@@ -83,14 +86,14 @@ pub(crate) struct RenderFile {
 
 /// Camera that takes the picture: its position and direction, and one of `vertical_fov_degrees`, `intrinsics`,
 /// `orthographic_height` and `panorama`.
-#[derive(Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend("oneOf" = [
     { "required": ["vertical_fov_degrees"] }, { "required": ["intrinsics"] }, { "required": ["orthographic_height"] },
     { "required": ["panorama"] }
 ]), extend("if" = { "required": ["panorama"] }, "then" = {
     "properties": { "aperture_radius": { "const": 0 } }, "not": { "required": ["focus_distance"] }
-}))]
+}), extend("dependentRequired" = { "interpolation": ["keyframes"] }))]
 #[schemars(rename = "Camera")]
 pub(crate) struct CameraFile {
     /// Position of the camera.
@@ -113,11 +116,17 @@ pub(crate) struct CameraFile {
     pub aperture_radius: NonNegative,
     /// Distance of the plane in focus; default: the distance from `position` to `look_at`.
     pub focus_distance: Option<Positive>,
+    /// Keyframes of a camera that moves, in the order of their times.
+    #[serde(default)]
+    pub keyframes: Keyframes,
+    /// Way from one keyframe to the next; needs `keyframes`.
+    #[schemars(extend("default" = "smooth"))]
+    pub interpolation: Option<Named<Interpolation>>,
 }
 
 /// Intrinsics of a pinhole camera, in pixels of a picture of `size`: x / z and y / z of a point to the right, down and
 /// forward of the camera become focal[0] x/z + skew y/z + principal_point[0] and focal[1] y/z + principal_point[1].
-#[derive(Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Intrinsics")]
 pub(crate) struct IntrinsicsFile {

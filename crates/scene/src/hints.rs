@@ -57,6 +57,17 @@ const CAMERA: Foreign = &[
     (&["lensradius", "fstop", "fnumber", "bokeh"], "aperture_radius"),
     (&["focaldistance", "focallength", "focus"], "focus_distance"),
     (&["aspect", "aspectratio"], "the aspect is that of `width` and `height` in [render]"),
+    (&["animation", "path", "keys", "motion"], "keyframes"),
+];
+
+const KEYFRAME: Foreign = &[
+    (&["t", "seconds", "moment", "at"], "time"),
+    (&["frame"], "a keyframe's `time` is in seconds: that of frame F is (F - 1) / fps"),
+    (&["from", "eye", "origin", "lookfrom", "location", "translation"], "position"),
+    (&["to", "target", "lookto"], "look_at"),
+    (&["fov", "fovy", "yfov", "fieldofview", "angle"], "vertical_fov_degrees"),
+    (&["focaldistance", "focus"], "focus_distance"),
+    (&["up", "orthographicheight"], "keyframes have none: it is that of [camera] at all times"),
 ];
 
 const INTRINSICS: Foreign = &[
@@ -204,6 +215,7 @@ fn foreign_to(path: &[Step]) -> Foreign {
         ["render"] => RENDER,
         ["camera"] => CAMERA,
         ["camera", "intrinsics"] => INTRINSICS,
+        ["camera", "keyframes", _] => KEYFRAME,
         ["environment"] => ENVIRONMENT,
         ["materials", _] => MATERIAL,
         ["materials", _, "principled"] => PRINCIPLED,

@@ -28,6 +28,7 @@
 mod assets;
 mod convert;
 mod counts;
+mod curve;
 mod error;
 mod fault;
 mod file;
@@ -46,6 +47,7 @@ mod source;
 
 pub use assets::{AssetOptions, Assets, is_model};
 pub use counts::{Counts, counted};
+pub use curve::Interpolation;
 pub use error::SceneError;
 pub use glam::{DAffine3, DMat3, DVec3, Vec3};
 pub use load::scene_text;

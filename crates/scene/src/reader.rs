@@ -171,11 +171,25 @@ impl<'de> Deserializer<'de> for Node<'de> {
         visitor.visit_newtype_struct(self)
     }
 
-    /// Reads a list of any length; the only one is that of the shapes.
+    /// Reads a list of any length whose elements are parts of their own; the only one is that of the shapes.
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         match self.value {
             DeValue::Array(array) => visitor.visit_seq(self.items(array, true)),
             DeValue::Table(_) => Err(self.is_not("a list, written `[[shapes]]`")),
+            _ => Err(self.is_not("a list")),
+        }
+    }
+
+    /// Reads a list of any length with the other keys of the table around it.
+    fn deserialize_tuple_struct<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        _: usize,
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        match self.value {
+            DeValue::Array(array) => visitor.visit_seq(self.items(array, false)),
+            DeValue::Table(_) => Err(self.is_not(format!("a list, written `[[{name}]]`"))),
             _ => Err(self.is_not("a list")),
         }
     }
@@ -224,8 +238,7 @@ impl<'de> Deserializer<'de> for Node<'de> {
     }
 
     forward_to_deserialize_any! {
-        i8 i16 i32 i64 u8 u16 u32 u64 u128 f32 char bytes byte_buf unit unit_struct tuple_struct
-        identifier ignored_any
+        i8 i16 i32 i64 u8 u16 u32 u64 u128 f32 char bytes byte_buf unit unit_struct identifier ignored_any
     }
 }
 

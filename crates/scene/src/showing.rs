@@ -32,7 +32,9 @@ pub(crate) fn text(path: &Path, assets: &mut Assets) -> Result<String, SceneErro
     let refuse = |message: &str| SceneError::whole_file(&name, message);
     let file = path.file_name().and_then(|file| file.to_str());
     let file = file.ok_or_else(|| refuse("has a name that is not UTF-8: rename it"))?;
-    let model = assets.model(path.to_path_buf(), None).map_err(|trouble| described(&name, trouble))?;
+    // Ground and sky stay where they are at the first frame of a sequence, and so does a camera that is none of the file's.
+    let models = assets.model_at_first(path.to_path_buf()).map_err(|trouble| described(&name, trouble))?;
+    let [model, now] = models;
     let turned = is_z_up(path);
     let bounds = bounds(&model, &upright(turned));
     if model.instances.is_empty() {
@@ -41,7 +43,7 @@ pub(crate) fn text(path: &Path, assets: &mut Assets) -> Result<String, SceneErro
     if bounds.reach() > LARGEST / 10.0 {
         return Err(refuse("is too large: keep all of it within 1e14 of the origin"));
     }
-    let own = own_camera(&model, assets.options().camera.as_deref()).map_err(|message| refuse(&message))?;
+    let own = own_camera(&now, assets.options().camera.as_deref()).map_err(|message| refuse(&message))?;
     let [width, height] = assets.options().picture.unwrap_or_else(|| picture(own));
     let mut text = format!("# Shows {}.\nversion = 1\n", file.escape_debug());
     let _ = writeln!(text, "[render]\nwidth = {width}\nheight = {height}");

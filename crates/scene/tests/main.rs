@@ -5,6 +5,7 @@ mod assets;
 mod common;
 mod errors;
 mod hostile;
+mod keyframes;
 mod load;
 mod reference;
 mod rock;

@@ -136,6 +136,7 @@ fn heading(table: &str) -> Option<String> {
     match table {
         "Material" => Some("#materialsname".to_string()),
         "Shape" => Some("#shapes".to_string()),
+        "Keyframe" => Some("#camerakeyframes".to_string()),
         "TextureTable" => Some("#textures".to_string()),
         _ if ["[", ""].iter().any(|bracket| page().contains(&format!("## `{bracket}{word}"))) => {
             Some(format!("#{word}"))

@@ -57,6 +57,11 @@ fn it_accepts_what_the_reader_accepts() {
         .replace("\"fresnel\"", "0.5")
         .replace("color = [0.7, 0.8, 1.0]", "horizon = [1, 1, 1]\nzenith = [0, 0, 1]");
     validator.validate(&json_of(&changed)).unwrap();
+    let keyframes = "[camera]\ninterpolation = \"linear\"\nkeyframes = [{ time = 1, position = [0, 1, 3] }, \
+                     { time = 2, look_at = [0, 1, 0], vertical_fov_degrees = 20, aperture_radius = 0, focus_distance = 1 }]";
+    let moving = EXAMPLE.replace("[camera]", keyframes);
+    validator.validate(&json_of(&moving)).unwrap();
+    Scene::parse(&moving, "scene.toml").unwrap();
 }
 
 #[test]
@@ -108,6 +113,12 @@ fn it_accepts_what_names_files() {
 /// Replacements in the example, each of which the reader refuses too.
 const WRONG: &[(&str, &str)] = &[
     ("version = 1", "version = 2"),
+    ("[camera]", "[camera]\ninterpolation = \"linear\""),
+    ("[camera]", "[camera]\nkeyframes = [{ position = [0, 1, 3] }]"),
+    ("[camera]", "[camera]\nkeyframes = [{ time = 0, position = [0, 1] }]"),
+    ("[camera]", "[camera]\nkeyframes = [{ time = 0, up = [0, 1, 0] }]"),
+    ("[camera]", "[camera]\nkeyframes = [{ time = -1, position = [0, 1, 3] }]"),
+    ("[camera]", "[camera]\nkeyframes = { time = 0, position = [0, 1, 3] }"),
     ("version = 1", ""),
     ("width = 1280", "width = 0"),
     ("width = 1280", "width = 1.5"),
@@ -231,7 +242,7 @@ fn its_defaults_are_those_of_the_reader() {
         assert_eq!(scene(&format!("{start} }}")), scene(&format!("{start}, {} }}", defaults.join(", "))), "{start}");
     };
     lines("[render]", defaults("Render", &[]));
-    lines(&format!("[camera]\n{camera}"), defaults("Camera", &[]));
+    lines(&format!("[camera]\n{camera}"), defaults("Camera", &["interpolation"]));
     lines("[environment]\nimage = \"pixel.hdr\"", defaults("Environment", &[]));
     lines("[materials.a]", defaults("Material", &[]));
     lines("[materials.a.principled]", defaults("Principled", &[]));

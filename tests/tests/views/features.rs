@@ -58,7 +58,7 @@ fn expected(feature: Feature, scene: &Scene, direction: DVec3, hit: &Answer) -> 
         Feature::Object => DVec3::splat(f64::from(place) + 1.0),
         Feature::Material => DVec3::splat(f64::from(number) + 1.0),
         Feature::Coverage => DVec3::new(1.0, 1.0, 0.0),
-        Feature::GuideAlbedo | Feature::GuideNormal => unreachable!("guides look further"),
+        Feature::GuideAlbedo | Feature::GuideNormal | Feature::Motion => unreachable!("they have tests of their own"),
     }
 }
 
@@ -141,7 +141,7 @@ fn hidden_boundaries_are_looked_through() {
                     Feature::Object => DVec3::splat(wall + 1.0),
                     Feature::Material => DVec3::splat(3.0),
                     Feature::Coverage => DVec3::new(1.0, 1.0, 0.0),
-                    Feature::GuideAlbedo | Feature::GuideNormal => unreachable!("guides are tested alone"),
+                    Feature::GuideAlbedo | Feature::GuideNormal | Feature::Motion => unreachable!("tested alone"),
                 };
                 let error = relative_difference(found[place], expected);
                 assert!(error < 1e-6, "{what}: expected {expected}, found {}", found[place]);

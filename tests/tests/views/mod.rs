@@ -3,6 +3,7 @@
 mod comparison;
 mod display;
 mod features;
+mod motion;
 
 use raggio_scene::Scene;
 use raggio_tests::parse;

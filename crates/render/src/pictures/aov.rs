@@ -28,7 +28,7 @@ choice! {
         Distance = "distance",
         /// Position of the first surface in the world: position.X, .Y, .Z
         Position = "position",
-        /// Motion in pixels a frame, 0 for scenes stand still: motion.X, .Y
+        /// Way in pixels, y upward, to where what is in the pixel's middle was a frame before: motion.X, .Y
         Motion = "motion",
         /// Number of the shape in the pixel's middle, in the scene's order from 1 on; 0 is none: object_id.I
         ObjectId = "object_id",
@@ -79,7 +79,8 @@ impl Aov {
             Self::Position => &[Feature::Position, Feature::Hit],
             Self::ObjectId => &[Feature::Object],
             Self::MaterialId => &[Feature::Material],
-            Self::Motion | Self::Samples | Self::Variance => &[],
+            Self::Motion => &[Feature::Motion],
+            Self::Samples | Self::Variance => &[],
         }
     }
 
@@ -96,7 +97,9 @@ impl Aov {
             Self::Distance => vec![self.channel("Z", Values::F32(features.distances(Feature::Depth)))],
             Self::Position => self.vector(["X", "Y", "Z"], features.positions()),
             Self::Motion => {
-                ["X", "Y"].map(|axis| self.channel(axis, Values::F32(vec![0.0; radiance.pixels().len()]))).into()
+                let mut channels = self.vector(["X", "Y", ""], features.vectors(Feature::Motion));
+                channels.truncate(2);
+                channels
             }
             Self::ObjectId => {
                 // Kernels number shapes by their place in the hierarchy.
@@ -170,7 +173,7 @@ impl Features {
         };
         let (shown, target) = (renderer.feature(), renderer.target());
         renderer.show(feature)?;
-        renderer.set_target(if feature.is_index() { 1 } else { samples });
+        renderer.set_target(if feature.is_single() { 1 } else { samples });
         let film = renderer.advance_for(seconds).and_then(|_| renderer.finished().then(|| renderer.film()).transpose());
         if film.is_err() {
             renderer.begin_small();

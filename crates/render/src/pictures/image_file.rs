@@ -3,12 +3,13 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, WritableImage};
+use exr::prelude::{AnyChannel, AnyChannels, AttributeValue, FlatSamples, Text, WritableImage};
 use raggio_scene::display_name;
 
 use crate::pictures::aov::{Channel, Values};
 use crate::pictures::display::{Display, Shown, shown, shown_16_bits};
-use crate::pictures::film::Film;
+use crate::pictures::film::{Film, Note};
+use crate::pictures::fingerprint;
 use crate::pictures::format::PictureFormat;
 use crate::pictures::linear_image::Image;
 use crate::pictures::metadata::Metadata;
@@ -75,6 +76,16 @@ impl ImageFile {
         Self { file: self.file.with_refuge(folder), ..self }
     }
 
+    /// Format of the file.
+    pub(crate) fn format(&self) -> PictureFormat {
+        self.format
+    }
+
+    /// Bits of each channel, if it is a PNG.
+    pub(crate) fn png_bits(&self) -> PngBits {
+        self.png_bits
+    }
+
     /// Path of the file.
     pub fn path(&self) -> &Path {
         self.file.path()
@@ -96,6 +107,11 @@ impl ImageFile {
     /// Whether the file holds a film, which needs a [label](crate::Film::label), and no picture.
     pub fn is_film(&self) -> bool {
         self.format == PictureFormat::Film
+    }
+
+    /// Whether the file is a PNG, which is a picture as it is looked at.
+    pub fn is_png(&self) -> bool {
+        self.format == PictureFormat::Png
     }
 
     /// Whether the file can hold layers and metadata beside the picture.
@@ -130,7 +146,8 @@ impl ImageFile {
             return self.write_with(&Film::from_image(image), display, extras);
         }
         let mut bytes = io::Cursor::new(Vec::new());
-        self.finish(write_exr(image, extras, &mut bytes), bytes)
+        let fingerprint = self.fingerprint(display, extras);
+        self.finish(write_exr(image, extras, fingerprint.as_deref(), &mut bytes), bytes)
     }
 
     /// Writes `film` together with layers and metadata, which EXR alone has room for, whole or not at all.
@@ -140,16 +157,27 @@ impl ImageFile {
     pub fn write_with(&self, film: &Film, display: Display, extras: &Extras) -> Result<(), OutputError> {
         let mut bytes = io::Cursor::new(Vec::new());
         let size = [film.width(), film.height()];
+        let fingerprint = self.fingerprint(display, extras);
+        let text = fingerprint.as_deref().map(|text| (fingerprint::NAME, text));
         let encoded = match (self.format, self.png_bits) {
-            (PictureFormat::Png, PngBits::Eight) => encode_8_bits(size, &shown(film, display), &mut bytes),
-            (PictureFormat::Png, PngBits::Sixteen) => encode_16_bits(size, &shown_16_bits(film, display), &mut bytes),
-            (PictureFormat::Exr, _) => write_exr(&film.mean(), extras, &mut bytes),
+            (PictureFormat::Png, PngBits::Eight) => encode_8_bits(size, &shown(film, display), text, &mut bytes),
+            (PictureFormat::Png, PngBits::Sixteen) => {
+                encode_16_bits(size, &shown_16_bits(film, display), text, &mut bytes)
+            }
+            (PictureFormat::Exr, _) => write_exr(&film.mean(), extras, fingerprint.as_deref(), &mut bytes),
             (PictureFormat::Film, _) => {
-                let written = self.file.write_with(&|to| film.write_to(to, &[]));
+                let note: Vec<_> = text.map(|(name, text)| Note::new(name, text)).into_iter().collect();
+                let written = self.file.write_with(&|to| film.write_to(to, &note));
                 return written.map_err(|source| self.unwritable(source));
             }
         };
         self.finish(encoded, bytes)
+    }
+
+    /// Fingerprint of the file, if the picture is whole and has one.
+    fn fingerprint(&self, display: Display, extras: &Extras) -> Option<String> {
+        let metadata = extras.metadata.as_ref()?;
+        metadata.fingerprint.map(|fingerprint| fingerprint.of(self, display, metadata.denoiser.as_deref()))
     }
 
     fn finish(&self, encoded: io::Result<()>, bytes: io::Cursor<Vec<u8>>) -> Result<(), OutputError> {
@@ -171,7 +199,7 @@ pub fn write_png(path: &Path, size: [u32; 2], pixels: &[u8]) -> Result<(), Outpu
     let mut bytes = Vec::new();
     let opaque =
         Shown { colors: pixels.chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect(), alpha: None };
-    let outcome = encode_8_bits(size, &opaque, &mut bytes).and_then(|()| write_whole(path, &bytes));
+    let outcome = encode_8_bits(size, &opaque, None, &mut bytes).and_then(|()| write_whole(path, &bytes));
     outcome.map_err(|source| OutputError::Unwritable { path: path.into(), source })
 }
 
@@ -181,11 +209,11 @@ pub fn write_png(path: &Path, size: [u32; 2], pixels: &[u8]) -> Result<(), Outpu
 /// When the picture is larger than a PNG may be.
 pub fn encode_png(image: &Image, display: Display) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    encode_8_bits([image.width, image.height], &shown(&Film::from_image(image), display), &mut bytes)?;
+    encode_8_bits([image.width, image.height], &shown(&Film::from_image(image), display), None, &mut bytes)?;
     Ok(bytes)
 }
 
-fn write_exr(mean: &Image, extras: &Extras, to: &mut io::Cursor<Vec<u8>>) -> io::Result<()> {
+fn write_exr(mean: &Image, extras: &Extras, fingerprint: Option<&str>, to: &mut io::Cursor<Vec<u8>>) -> io::Result<()> {
     let (width, height) = (mean.width as usize, mean.height as usize);
     let color = |i: usize| FlatSamples::F32(mean.pixels.iter().map(|pixel| pixel[i]).collect());
     let colors = ["R", "G", "B"].into_iter().enumerate().map(|(i, name)| AnyChannel::new(name, color(i)));
@@ -203,6 +231,9 @@ fn write_exr(mean: &Image, extras: &Extras, to: &mut io::Cursor<Vec<u8>>) -> io:
     attributes.software_name = Some(concat!("raggio ", env!("CARGO_PKG_VERSION")).into());
     if let Some(metadata) = &extras.metadata {
         metadata.describe(attributes);
+    }
+    if let Some(fingerprint) = fingerprint {
+        attributes.other.insert(Text::from(fingerprint::NAME), AttributeValue::Text(Text::from(fingerprint)));
     }
     image.layer_data.encoding.compression = exr::prelude::Compression::ZIP16;
     // Otherwise blocks are written in the order in which threads compress them, and no two files are the same.

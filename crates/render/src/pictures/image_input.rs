@@ -7,8 +7,10 @@ use std::path::{Path, PathBuf};
 use exr::meta::MetaData;
 use exr::prelude::{ReadChannels, ReadLayers, Vec2};
 use image::{ImageDecoder, ImageReader};
+use raggio_kernels::View;
 use raggio_scene::display_name;
 
+use crate::pictures::display::{Display, displayed};
 use crate::pictures::film::{Film, FilmError};
 use crate::pictures::format::PictureFormat;
 use crate::pictures::linear_image::Image;
@@ -69,11 +71,16 @@ impl Image {
     /// # Errors
     /// An [`InputError`] when the file cannot be read, is no such picture, is damaged, or has more than 2^26 pixels.
     pub fn load(path: &Path) -> Result<Self, InputError> {
-        let (format, read): (_, Reader) = match PictureFormat::of_path(path) {
-            Some(PictureFormat::Exr) => ("an OpenEXR", read_exr),
-            Some(PictureFormat::Png) => ("a PNG", read_png),
-            Some(PictureFormat::Film) => return read_film(path),
-            None => return Err(InputError::UnknownFormat { path: path.into() }),
+        let format = PictureFormat::of_path(path).ok_or_else(|| InputError::UnknownFormat { path: path.into() })?;
+        Self::load_as(path, format)
+    }
+
+    /// Reads a file of this format, as [`Image::load`] does, whatever its name ends in.
+    pub(crate) fn load_as(path: &Path, format: PictureFormat) -> Result<Self, InputError> {
+        let (format, read): (_, Reader) = match format {
+            PictureFormat::Exr => ("an OpenEXR", read_exr),
+            PictureFormat::Png => ("a PNG", read_png),
+            PictureFormat::Film => return read_film(path),
         };
         let unreadable = |source| InputError::Unreadable { path: path.into(), source };
         let file = File::open(path).map_err(unreadable)?;
@@ -85,6 +92,45 @@ impl Image {
             Fault::TooLarge(width, height) => InputError::TooLarge { path: path.into(), width, height },
             Fault::Malformed(reason) => InputError::Malformed { path: path.into(), format, reason },
         })
+    }
+}
+
+/// A picture as it is looked at.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DisplayedImage {
+    /// Width in pixels.
+    pub width: usize,
+    /// Height in pixels.
+    pub height: usize,
+    /// Bytes red, green, blue in sRGB, row by row from the top left.
+    pub pixels: Vec<u8>,
+}
+
+impl DisplayedImage {
+    /// Reads a picture: a PNG as it is, others as `display` shows their radiance, before black where they have no background.
+    ///
+    /// # Errors
+    /// The errors of [`Image::load`].
+    pub fn load(path: &Path, display: Display) -> Result<Self, InputError> {
+        if PictureFormat::of_path(path) == Some(PictureFormat::Png) {
+            let picture = image::open(path).map_err(|error| match Fault::from(error) {
+                Fault::System(source) => InputError::Unreadable { path: path.into(), source },
+                Fault::TooLarge(width, height) => InputError::TooLarge { path: path.into(), width, height },
+                Fault::Malformed(reason) => InputError::Malformed { path: path.into(), format: "a PNG", reason },
+            })?;
+            let picture = picture.into_rgba8();
+            let [width, height] = [picture.width(), picture.height()].map(|side| side as usize);
+            let over_black = |color: u8, alpha: u8| ((u32::from(color) * u32::from(alpha) + 127) / 255) as u8;
+            let pixels = picture.pixels().flat_map(|pixel| {
+                let [red, green, blue, alpha] = pixel.0;
+                [red, green, blue].map(|color| over_black(color, alpha))
+            });
+            return Ok(Self { width, height, pixels: pixels.collect() });
+        }
+        let picture = Image::load(path)?;
+        let shown = displayed(&Film::from_image(&picture), Display { view: View::Radiance, ..display });
+        let pixels = shown.iter().flat_map(|pixel| [0, 8, 16].map(|shift| (pixel >> shift) as u8)).collect();
+        Ok(Self { width: picture.width as usize, height: picture.height as usize, pixels })
     }
 }
 

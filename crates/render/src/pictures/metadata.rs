@@ -7,6 +7,7 @@ use glam::{DMat4, DVec4};
 use raggio_scene::{Camera, Intrinsics, Projection, RenderSettings, Scene};
 
 use crate::pictures::film::{Film, Note};
+use crate::pictures::fingerprint::Fingerprint;
 
 /// Settings that EXRs name, by their names in [labels](crate::Label) of films.
 const SETTINGS: [(&str, &str); 5] = [
@@ -31,6 +32,8 @@ pub struct Metadata {
     pub samples: u32,
     /// Name of what removed the noise, with its version; `None` where nothing did.
     pub denoiser: Option<String>,
+    /// Fingerprint of the picture, if it has all its samples and layers; files have it too then.
+    pub fingerprint: Option<Fingerprint>,
     /// Version of raggio that took the samples.
     version: String,
     /// Settings as EXRs name them, and their values.
@@ -53,6 +56,7 @@ impl Metadata {
             scene: name.into(),
             samples: scene.render.samples,
             denoiser: None,
+            fingerprint: None,
             version: env!("CARGO_PKG_VERSION").into(),
             settings: SETTINGS.iter().map(|(_, name)| *name).zip(values).collect(),
             camera: Some(row_vectors(camera_from_world)),
@@ -74,6 +78,7 @@ impl Metadata {
             scene: String::from_utf8_lossy(label.note(SCENE).unwrap_or_default()).into_owned(),
             samples: film.most_samples(),
             denoiser: None,
+            fingerprint: None,
             version: label.version().into(),
             settings: SETTINGS.iter().filter_map(setting).collect(),
             camera: matrix(WORLD_TO_CAMERA),

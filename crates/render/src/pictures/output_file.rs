@@ -107,6 +107,21 @@ impl OutputFile {
         })
     }
 
+    /// Has `write` fill a file under a temporary name, whose path it is given; the file takes its place when it is whole.
+    ///
+    /// # Errors
+    /// The system's error, or that of `write`; nothing is left of the file then.
+    pub fn write_by(&self, write: impl FnOnce(&Path) -> io::Result<()>) -> io::Result<()> {
+        let Target::File(place) = &self.target else {
+            return Err(io::Error::other("it is a device: give a file"));
+        };
+        place.parent().map_or(Ok(()), std::fs::create_dir_all)?;
+        let mut temporary = Temporary::beside(place)?;
+        write(&temporary.path)?;
+        temporary.sync()?;
+        temporary.replace(place)
+    }
+
     /// Writes a file into the refuge, if that is another folder than the file's own. Returns its name there.
     fn rescue(&self, write: &dyn Fn(&mut Sink) -> io::Result<()>) -> Option<PathBuf> {
         let name = Path::new(self.place()?.file_name()?);

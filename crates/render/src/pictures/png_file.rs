@@ -17,14 +17,27 @@ choice! {
     }
 }
 
+/// Text that a PNG has beside its picture: a name and what it says.
+pub(crate) type PngText<'a> = (&'static str, &'a str);
+
 /// Writes a PNG of 8 bits, row by row from the top left.
-pub(crate) fn encode_8_bits(size: [u32; 2], shown: &Shown<u8>, to: &mut impl Write) -> io::Result<()> {
-    encode(size, BitDepth::Eight, shown, |value| [value], to)
+pub(crate) fn encode_8_bits(
+    size: [u32; 2],
+    shown: &Shown<u8>,
+    text: Option<PngText>,
+    to: &mut impl Write,
+) -> io::Result<()> {
+    encode(size, BitDepth::Eight, shown, |value| [value], text, to)
 }
 
 /// Writes a PNG of 16 bits, row by row from the top left.
-pub(crate) fn encode_16_bits(size: [u32; 2], shown: &Shown<u16>, to: &mut impl Write) -> io::Result<()> {
-    encode(size, BitDepth::Sixteen, shown, u16::to_be_bytes, to)
+pub(crate) fn encode_16_bits(
+    size: [u32; 2],
+    shown: &Shown<u16>,
+    text: Option<PngText>,
+    to: &mut impl Write,
+) -> io::Result<()> {
+    encode(size, BitDepth::Sixteen, shown, u16::to_be_bytes, text, to)
 }
 
 fn encode<T: Copy, const BYTES: usize>(
@@ -32,6 +45,7 @@ fn encode<T: Copy, const BYTES: usize>(
     depth: BitDepth,
     shown: &Shown<T>,
     bytes: impl Fn(T) -> [u8; BYTES],
+    text: Option<PngText>,
     to: &mut impl Write,
 ) -> io::Result<()> {
     let mut encoder = Encoder::new(to, width, height);
@@ -41,6 +55,9 @@ fn encode<T: Copy, const BYTES: usize>(
     // The noise of pictures hardly becomes smaller by more work: see docs/performance.md.
     encoder.set_compression(Compression::Fast);
     encoder.set_filter(Filter::Adaptive);
+    if let Some((name, text)) = text {
+        encoder.add_text_chunk(name.into(), text.into())?;
+    }
     let data: Vec<u8> = shown.values().into_iter().flat_map(bytes).collect();
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&data)?;

@@ -49,21 +49,36 @@ impl Identity {
         &self.settings
     }
 
-    /// Hash of all that kernels read of the scene. The filter's table is a setting.
+    /// Hash of the scene.
     fn hash(&self) -> [u8; 32] {
-        *self.hash.get_or_init(|| {
-            let mut hasher = blake3::Hasher::new();
-            for list in self.buffers.bytes().iter().filter(|list| list.name != "filter_table") {
-                // Lengths keep lists apart.
-                hasher.update(list.name.as_bytes()).update(&(list.bytes.len() as u64).to_le_bytes()).update(list.bytes);
-            }
-            *hasher.finalize().as_bytes()
-        })
+        *self.hash.get_or_init(|| scene_hash(&self.buffers))
     }
 }
 
+/// Lists that tell how the scene has moved, by their names.
+const MOTION: [&str; 2] = ["motion", "motion_rows"];
+
+/// Hash of all that kernels read of a scene for a sample of radiance. The filter's table is a setting.
+pub(crate) fn scene_hash(buffers: &SceneBuffers) -> [u8; 32] {
+    hash(buffers, |name| name != "filter_table" && !MOTION.contains(&name))
+}
+
+/// Hash of how a scene has moved since the frame before.
+pub(crate) fn motion_hash(buffers: &SceneBuffers) -> [u8; 32] {
+    hash(buffers, |name| MOTION.contains(&name))
+}
+
+fn hash(buffers: &SceneBuffers, is_part: impl Fn(&str) -> bool) -> [u8; 32] {
+    let mut hasher = blake3::Hasher::new();
+    for list in buffers.bytes().iter().filter(|list| is_part(list.name)) {
+        // Lengths keep lists apart.
+        hasher.update(list.name.as_bytes()).update(&(list.bytes.len() as u64).to_le_bytes()).update(list.bytes);
+    }
+    *hasher.finalize().as_bytes()
+}
+
 /// Settings that decide the values of samples, as a label has them.
-pub(super) fn settings(settings: &RenderSettings, noise: Option<f64>) -> Vec<(String, String)> {
+pub(crate) fn settings(settings: &RenderSettings, noise: Option<f64>) -> Vec<(String, String)> {
     let RenderSettings {
         integrator,
         sampler,

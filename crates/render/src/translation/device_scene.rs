@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use raggio_kernels::{
-    BvhNode, CameraMedium, Light as DeviceLight, LightKind as DeviceLightKind, MAX_NESTED_MEDIA, NO_TEXTURE,
+    BvhNode, CameraMedium, Light as DeviceLight, LightKind as DeviceLightKind, MAX_NESTED_MEDIA, Motion, NO_TEXTURE,
     PixelFilter, SceneBuffers, SceneCounts, Sequence, Sky, Work,
 };
 use raggio_scene::{
@@ -27,6 +27,7 @@ use crate::translation::hierarchy::{Bounds, Hierarchy, moved};
 use crate::translation::lights::Lights;
 use crate::translation::media::{Body, media_around};
 use crate::translation::meshes::Meshes;
+use crate::translation::motion::{frame_view, motion_rows};
 use crate::translation::textures::{ColorSpace, TextureTable};
 
 /// A scene as flat buffers, and the settings that every dispatch repeats.
@@ -84,6 +85,7 @@ impl DeviceScene {
         self.buffers.principled = materials.principled.into();
         (self.buffers.textures, self.buffers.texels) = self.textures.finish();
         self.buffers.albedos = albedos();
+        self.buffers.motion = vec![Motion::default()].into();
         self.buffers.lights = Arc::new(scene.lights.iter().map(device_light).collect());
         let mut shapes = Shapes::new(&scene.materials);
         let references: Vec<_> = scene.shapes.iter().map(|shape| shapes.add(shape, &self.meshes)).collect();
@@ -99,6 +101,14 @@ impl DeviceScene {
         }
         self.lights.share(&mut self.buffers);
         self.set_view(scene)
+    }
+
+    /// Tells how `scene`, which this is the translation of, has moved since `before`, the frame before it.
+    pub fn move_from(&mut self, scene: &Scene, before: &Scene) {
+        let camera = device_camera(&before.camera, &before.render);
+        let views = [frame_view(&self.buffers.camera[0]), frame_view(&camera)];
+        self.buffers.motion = vec![Motion { now: views[0], before: views[1], moves: 1 }].into();
+        self.buffers.motion_rows = motion_rows(scene, before, &self.shape_of_place).into();
     }
 
     fn bounds(&self, geometry: &Geometry) -> Option<Bounds> {

@@ -75,11 +75,12 @@ impl<T> Default for Cache<T> {
 }
 
 impl<T: Depends> Cache<T> {
-    /// Contents of the file that are kept, or else those that `read` gives.
+    /// Contents of the file that are kept, or else those that `read` gives, who is told what the file was at another time
+    /// if that is kept.
     pub(super) fn get_or_read(
         &mut self,
         key: Key,
-        read: impl FnOnce(&Path) -> Result<T, Trouble>,
+        read: impl FnOnce(&Path, Option<&T>) -> Result<T, Trouble>,
     ) -> Result<Arc<T>, Trouble> {
         let canonical = match self.canonical.get(&key) {
             Some(canonical) => canonical.clone(),
@@ -92,7 +93,8 @@ impl<T: Depends> Cache<T> {
             Some(entry) => entry.value.clone(),
             None => {
                 let stamp = stamp(&canonical.path)?;
-                let value = Arc::new(read(&key.path)?);
+                let earlier = self.entries.iter().find(|(known, _)| known.path == canonical.path);
+                let value = Arc::new(read(&key.path, earlier.map(|(_, entry)| &*entry.value))?);
                 let others = value.others().map(|path| (path.to_path_buf(), self::stamp(path).ok())).collect();
                 self.entries.insert(canonical.clone(), Entry { value: value.clone(), stamp, others });
                 value

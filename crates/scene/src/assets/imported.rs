@@ -79,6 +79,22 @@ impl Imported {
         }
     }
 
+    /// The model, with the meshes and materials of the same file at another time in place of its own where they are equal:
+    /// devices then keep what they hold of these.
+    pub(super) fn sharing(mut self, earlier: &Self) -> Self {
+        for (mesh, known) in self.meshes.iter_mut().zip(&earlier.meshes) {
+            if mesh == known {
+                *mesh = known.clone();
+            }
+        }
+        for ((_, material), (_, known)) in self.materials.iter_mut().zip(&earlier.materials) {
+            if material == known {
+                *material = known.clone();
+            }
+        }
+        self
+    }
+
     /// A box around an instance, which may be larger than need be.
     pub(crate) fn bounds_of(&self, instance: &Instance, world_from_mesh: &DAffine3) -> Bounds {
         self.bounds[instance.mesh].transformed(world_from_mesh)

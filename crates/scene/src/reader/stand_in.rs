@@ -46,6 +46,15 @@ impl<'de> Deserializer<'de> for StandIn {
         self.deserialize_tuple(0, visitor)
     }
 
+    fn deserialize_tuple_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        length: usize,
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        self.deserialize_tuple(length, visitor)
+    }
+
     fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, Fault> {
         visitor.visit_seq(SeqDeserializer::new(std::iter::repeat_n(self, length)))
     }
@@ -74,8 +83,7 @@ impl<'de> Deserializer<'de> for StandIn {
     }
 
     forward_to_deserialize_any! {
-        i8 i16 i32 i64 u8 u16 u32 u64 u128 f32 f64 char bytes byte_buf unit unit_struct tuple_struct
-        identifier ignored_any
+        i8 i16 i32 i64 u8 u16 u32 u64 u128 f32 f64 char bytes byte_buf unit unit_struct identifier ignored_any
     }
 }
 

@@ -97,6 +97,53 @@ fn the_time_is_the_scenes_unless_somebody_says_another() {
     assert_eq!(assets.files().count(), 1);
 }
 
+/// A sequence goes on from each model's own time, and shares with the frame before what has not changed.
+#[test]
+fn a_sequence_goes_on_from_the_times() {
+    let folder = folder();
+    folder.write("still.gltf", MODEL.replace("animations", "extras"));
+    let shape = |file: &str, time: &str| format!("[[shapes]]\nmesh = {{ file = \"{file}.gltf\"{time} }}\n");
+    let shapes = [shape("model", ""), shape("model", ", time = 0.5"), shape("still", "")].concat();
+    let body = format!("[environment]\ncolor = [1, 1, 1]\n{shapes}");
+    let mut assets = Assets::new(AssetOptions { elapsed_seconds: Some(0.0), ..AssetOptions::default() });
+    let first = folder.read(&body, &mut assets).unwrap();
+    assert_eq!(heights(&first), [0.0, 0.0, 1.5, 0.0, 0.0, 0.0]);
+    assets.set_elapsed(0.25);
+    let second = folder.read(&body, &mut assets).unwrap();
+    assert_eq!(heights(&second), [0.75, 0.0, 2.25, 0.0, 0.0, 0.0]);
+    for (before, after) in meshes(&first).iter().zip(meshes(&second)) {
+        assert!(std::sync::Arc::ptr_eq(before.0, after.0));
+    }
+    let [Some(before), Some(after)] = [&first, &second].map(|scene| scene.materials[0].principled.as_ref()) else {
+        panic!("a material of the model's")
+    };
+    assert!(std::sync::Arc::ptr_eq(before, after));
+    let at_rest = assets.files().count();
+    assets.set_elapsed(-1.0);
+    assert_eq!(heights(&folder.read(&body, &mut assets).unwrap()), [0.0; 6]);
+    assert_eq!(assets.files().count(), at_rest - 1, "both are at their beginning, and the other frames are forgotten");
+}
+
+/// Ground and sky of a model that is shown alone stay where they are, and so does a camera that is not its own.
+#[test]
+fn a_sequence_of_a_model_alone_keeps_its_surroundings() {
+    let folder = folder();
+    let camera = r#"{ "mesh": 0, "name": "moved" },"#;
+    folder.write("own.gltf", MODEL.replace("{ \"mesh\": 0 },", camera).replace("\"node\": 0", "\"node\": 3"));
+    folder.write("bare.gltf", MODEL.replace(r#", "camera": 0"#, ""));
+    let at = |file: &str, elapsed: f64| {
+        let mut assets = Assets::new(AssetOptions { elapsed_seconds: Some(elapsed), ..AssetOptions::default() });
+        Scene::load_with(&folder.path(file), &mut assets).unwrap()
+    };
+    let [first, second] = [0.0, 0.5].map(|elapsed| at("bare.gltf", elapsed));
+    assert_eq!(first.camera, second.camera);
+    assert_eq!(first.shapes[0], second.shapes[0]);
+    assert_ne!(first.shapes[1], second.shapes[1]);
+    let [first, second] = [0.0, 0.5].map(|elapsed| at("own.gltf", elapsed));
+    assert_eq!(second.camera.position - first.camera.position, Vec3::new(0.0, 1.5, 0.0));
+    assert_eq!(first.shapes[0], second.shapes[0]);
+}
+
 #[test]
 fn a_time_of_a_model_without_animations() {
     let folder = folder();

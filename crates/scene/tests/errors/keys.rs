@@ -106,7 +106,7 @@ mesh = { file = "a.ply", traslation = [0, 0, 0] }
     (
         "control characters are escaped",
         "version = 1\n[camera]\nposition = [0, 1, 4]\nlook_at = [0, 1, 0]\nvertical_fov_degrees = 40\n\"\\u001b[2J\" = 1\n",
-        "scene.toml:6:1: unknown key `\\u{1b}[2J` in [camera]: choose from `position`, `look_at`, `up`, `vertical_fov_degrees`, `intrinsics`, `orthographic_height`, `panorama`, `aperture_radius` and 1 more",
+        "scene.toml:6:1: unknown key `\\u{1b}[2J` in [camera]: choose from `position`, `look_at`, `up`, `vertical_fov_degrees`, `intrinsics`, `orthographic_height`, `panorama`, `aperture_radius` and 3 more",
     ),
     (
         "long names are cut",
@@ -117,7 +117,7 @@ look_at = [0, 1, 0]
 vertical_fov_degrees = 40
 kkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkk = 1
 ",
-        "scene.toml:6:1: unknown key `kkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkk...` in [camera]: choose from `position`, `look_at`, `up`, `vertical_fov_degrees`, `intrinsics`, `orthographic_height`, `panorama`, `aperture_radius` and 1 more",
+        "scene.toml:6:1: unknown key `kkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkk...` in [camera]: choose from `position`, `look_at`, `up`, `vertical_fov_degrees`, `intrinsics`, `orthographic_height`, `panorama`, `aperture_radius` and 3 more",
     ),
     (
         "a quoted material",

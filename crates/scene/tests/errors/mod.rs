@@ -3,6 +3,7 @@
 mod camera;
 mod environment;
 mod foreign;
+mod keyframes;
 mod keys;
 mod materials;
 mod meshes;
@@ -42,4 +43,4 @@ macro_rules! tables {
 }
 
 // The tests have the names of the tables' modules, which live in another namespace.
-tables! { syntax several keys foreign types render camera environment materials principled shapes meshes }
+tables! { syntax several keys foreign types render camera keyframes environment materials principled shapes meshes }

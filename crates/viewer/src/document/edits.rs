@@ -1,7 +1,7 @@
 //! Edits that take the scene's plain data and touch only the keys whose values change.
 
 use raggio_scene::{Camera, Environment, Geometry, Material, Placement, RenderSettings, Scene};
-use toml_edit::{DocumentMut, InlineTable, Item, Table};
+use toml_edit::{DocumentMut, InlineTable, Item, Table, Value};
 
 use super::error::item;
 use super::fields::{self, Field};
@@ -14,10 +14,14 @@ use super::{Document, EditError, lists, tree};
 /// [`EditError::Missing`] when an index is out of range; nothing changes then.
 impl Document {
     /// Moves the camera. `focus_distance` stays out of a file that does not have it while it is the distance of the
-    /// point looked at.
+    /// point looked at, and what keyframes say stays as they say it.
     pub fn set_camera(&mut self, new: &Camera) -> Result<bool, EditError> {
         self.edit("camera", |toml, scene| {
-            write_section(toml, "camera", &fields::camera(&scene.camera, new));
+            let has_focus = toml.get("camera").is_some_and(|camera| camera.get("focus_distance").is_some());
+            let follows = !has_focus && ["position", "look_at"].iter().any(|key| is_keyed(toml, key));
+            let mut fields = fields::camera(&scene.camera, new);
+            fields.retain(|field| !is_keyed(toml, field.key) && !(follows && field.key == "focus_distance"));
+            write_section(toml, "camera", &fields);
             Ok(())
         })
     }
@@ -88,7 +92,7 @@ impl Document {
             let mut table = Item::Value(InlineTable::new().into());
             tree::insert(&mut table, "material", named.name.as_str().into());
             tree::insert(&mut table, geometry.key(), tree::inline_table(&fields::geometry(geometry, geometry)));
-            if let Item::Value(toml_edit::Value::InlineTable(table)) = table {
+            if let Item::Value(Value::InlineTable(table)) = table {
                 lists::push(toml, table);
             }
             Ok(())
@@ -133,6 +137,17 @@ impl Document {
             }
             Ok(())
         })
+    }
+}
+
+/// Whether a keyframe of the camera has this key.
+fn is_keyed(toml: &DocumentMut, key: &str) -> bool {
+    match toml.get("camera").and_then(|camera| camera.get("keyframes")) {
+        Some(Item::ArrayOfTables(keyframes)) => keyframes.iter().any(|keyframe| keyframe.contains_key(key)),
+        Some(Item::Value(Value::Array(keyframes))) => {
+            keyframes.iter().filter_map(Value::as_inline_table).any(|keyframe| keyframe.contains_key(key))
+        }
+        _ => false,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Every edit on every way to write a scene.
 
-use raggio_scene::{Environment, Filter, Geometry, Reflection, Vec3};
+use raggio_scene::{Environment, Filter, Geometry, Projection, Reflection, Vec3};
 
 use crate::document::{DOTTED, FORMS, HEADERS, INLINE, ball, check, document, edited, with};
 
@@ -37,6 +37,36 @@ fn a_camera_keeps_what_stays() {
             it.set_camera(&camera).unwrap()
         });
         assert_eq!(after, with(text, old, new));
+    }
+}
+
+/// The window shows a camera that moves as it is at first, and keeps its keyframes whatever else is edited.
+#[test]
+fn keyframes_stay_as_they_are() {
+    let keyframes = "keyframes = [{ time = 1, position = [5, 1.5, 4] }, { time = 2, position = [6, 1.5, 4] }]";
+    let tables = "[[camera.keyframes]] # off\ntime = 1\nposition = [5, 1.5, 4]\n[[camera.keyframes]]\ntime = 2\n\
+                  position = [6, 1.5, 4]\n";
+    let inline = with(INLINE, "_degrees = 40 }", &format!("_degrees = 40, {keyframes} }}"));
+    let headers = with(HEADERS, "_degrees = 40\n", &format!("_degrees = 40\n{tables}"));
+    let dotted = with(DOTTED, "_degrees = 40\n", &format!("_degrees = 40\ncamera.{keyframes}\n"));
+    for text in [inline, headers, dotted] {
+        assert_eq!(document(&text).scene().camera.position, Vec3::new(5.0, 1.5, 4.0));
+        let after = edited(&text, |it| {
+            let mut camera = it.scene().camera.clone();
+            camera.position = Vec3::new(-7.0, 1.0, 2.0);
+            camera.projection = Projection::Perspective { vertical_fov_degrees: 30.0 };
+            camera.aperture_radius = 0.25;
+            let changed = it.set_camera(&camera).unwrap();
+            assert_eq!(it.scene().camera.position, Vec3::new(5.0, 1.5, 4.0));
+            assert_eq!(it.scene().camera.projection, Projection::Perspective { vertical_fov_degrees: 30.0 });
+            assert_eq!(it.scene().camera.aperture_radius, 0.25);
+            changed
+        });
+        let after = edited(&after, |it| it.set_environment(&Environment::Constant(Vec3::ONE)).unwrap());
+        for part in ["[5, 1.5, 4]", "[6, 1.5, 4]", "time = 1", "time = 2", "[0, 1.50,", "_degrees = 30"] {
+            assert!(after.contains(part), "{part} in\n{after}");
+        }
+        assert!(!after.contains("-7") && !after.contains("focus_distance"), "{after}");
     }
 }
 

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::ops::Range;
 
+use crate::pictures::fingerprint;
+
 /// Samples that all pixels of some rows have been given.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Portion {
@@ -40,7 +42,7 @@ impl Note {
 
     /// Whether the note is no longer true of a film to which others have been added.
     pub fn belongs_to_file(&self) -> bool {
-        self.name == Self::SAMPLING
+        [Self::SAMPLING, fingerprint::NAME].contains(&&*self.name)
     }
 }
 
