@@ -143,3 +143,45 @@ def test_flamenco_still(folder: Path) -> None:
     work(tasks)
     assert sorted(path.name for path in folder.iterdir()) == ["picture.exr", "scene.toml", "whole.exr"]
     assert (folder / "picture.exr").read_bytes() == (folder / "whole.exr").read_bytes()
+
+
+ANIMATED = FILE.replace(
+    "vertical_fov_degrees = 40\n",
+    "vertical_fov_degrees = 40\nkeyframes = [{ time = 0, position = [0, 1, 4] }, { time = 1, position = [4, 1, 0] }]\n",
+)
+
+
+@pytest.fixture
+def frames(folder: Path) -> list[bytes]:
+    """Frames 1 to 3 that one machine makes."""
+    (folder / "scene.toml").write_text(ANIMATED)
+    run(
+        *("raggio", "render", folder / "scene.toml", "--samples", "4", "--device", "cpu"),
+        *("--frames", "1-3", "-o", folder / "whole-##.png"),
+    )
+    return [(folder / f"whole-{frame:02}.png").read_bytes() for frame in (1, 2, 3)]
+
+
+def test_openjd_frames(folder: Path, frames: list[bytes]) -> None:
+    openjd(
+        *("run", FARM / "openjd" / "frames.yaml", "--extensions", "TASK_CHUNKING"),
+        *("-p", f"Scene={folder / 'scene.toml'}", "-p", f"Output={folder / 'frame-##.png'}", "-p", "Frames=1-3"),
+        *("-p", "FramesPerTask=2", "-p", "Samples=4", "-p", "Device=cpu"),
+    )
+    assert [(folder / f"frame-{frame:02}.png").read_bytes() for frame in (1, 2, 3)] == frames
+    assert frames[0] != frames[2]
+
+
+def test_flamenco_frames(folder: Path, frames: list[bytes]) -> None:
+    tasks = flamenco(
+        "raggio-frames.js",
+        scene=str(folder / "scene.toml"),
+        output=str(folder / "frame-##.png"),
+        frames="1-3",
+        chunk_size=2,
+        samples=4,
+        device="cpu",
+    )
+    assert [task["name"] for task in tasks] == ["frames 1-2", "frames 3-3"]
+    work(tasks)
+    assert [(folder / f"frame-{frame:02}.png").read_bytes() for frame in (1, 2, 3)] == frames

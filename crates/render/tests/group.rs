@@ -92,14 +92,16 @@ fn films_are_shown_and_begun_anew() {
     }
 }
 
+/// Rows and samples of a call.
+type Call = (Range<u32>, Range<u32>);
+
 /// A device that only takes its time, and fails at a call if it is to.
 #[derive(Clone)]
 struct Slow {
     name: &'static str,
     seconds_per_sample: f64,
     fails_at: Option<usize>,
-    /// Rows and samples of all calls.
-    calls: Arc<Mutex<Vec<(Range<u32>, Range<u32>)>>>,
+    calls: Arc<Mutex<Vec<Call>>>,
 }
 
 impl Slow {

@@ -20,7 +20,7 @@ impl Document {
             let has_focus = toml.get("camera").is_some_and(|camera| camera.get("focus_distance").is_some());
             let follows = !has_focus && ["position", "look_at"].iter().any(|key| is_keyed(toml, key));
             let mut fields = fields::camera(&scene.camera, new);
-            fields.retain(|field| !is_keyed(toml, field.key) && !(follows && field.key == "focus_distance"));
+            fields.retain(|field| !(is_keyed(toml, field.key) || follows && field.key == "focus_distance"));
             write_section(toml, "camera", &fields);
             Ok(())
         })
