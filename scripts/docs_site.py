@@ -1,14 +1,15 @@
 """Pages of the documentation's site, a hook of mkdocs: `make docs`.
 
-The site is laid out like the project, so that links mean there what they mean in the project: Markdown files are pages, and
-so is every other text, highlighted, and every folder, as a list. The gallery, the reference of the Python module and the list
-of all sources are made here.
+The site is laid out like the project, so that links mean there what they mean in the project: Markdown files and notebooks
+are pages, and so is every other text, highlighted, and every folder, as a list. The gallery, the reference of the Python
+module and the list of all sources are made here.
 """
 
 import posixpath
 import subprocess
 from pathlib import Path
 
+import nbconvert
 from mkdocs.structure.files import File, Files, InclusionLevel
 from pygments.lexers import get_lexer_for_filename
 from pygments.util import ClassNotFound
@@ -68,6 +69,8 @@ def on_files(files, config):
     for path in paths:
         if path.endswith(".md") or path.startswith("docs/images/"):
             made.append(File.generated(config, path, abs_src_path=str(ROOT / path)))
+        elif path.endswith(".ipynb"):
+            made.extend(notebook(path, config))
         elif (text := text_of(path)) is not None:
             show(path, f"{path}.html", source_page(path, text))
         else:
@@ -100,6 +103,16 @@ def folders(paths):
             found.setdefault(path, set()).add(name)
             name = posixpath.basename(path) + "/"
     return found
+
+
+def notebook(path, config):
+    """A notebook as a page, and the pictures in it."""
+    text, resources = nbconvert.MarkdownExporter().from_filename(
+        str(ROOT / path), resources={"output_files_dir": f"{Path(path).stem}-files"})
+    page = Source.generated(config, path, content=text)
+    page.dest_uri = path.replace(".ipynb", ".html")
+    pictures = resources["outputs"].items()
+    return [page, *(File.generated(config, f"{posixpath.dirname(path)}/{name}", content=data) for name, data in pictures)]
 
 
 def folder_page(folder, names, shown):
