@@ -15,8 +15,12 @@ class Roles(griffe.Extension):
     def on_package(self, *, pkg, **_):
         for obj in objects(pkg):
             if obj.docstring:
-                text = ROLE.sub(lambda role: link(obj, role[1]), obj.docstring.value)
-                obj.docstring.value = EXAMPLE.sub(r"```pycon\n\1\n```", text.replace("``", "`"))
+                obj.docstring.value = markdown(obj, obj.docstring.value)
+
+
+def markdown(obj, text):
+    text = ROLE.sub(lambda role: link(obj, role[1]), text).replace("``", "`")
+    return EXAMPLE.sub(r"```pycon\n\1\n```", text)
 
 
 def objects(obj):
