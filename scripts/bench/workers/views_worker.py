@@ -8,11 +8,11 @@ import json
 import os
 import pathlib
 import sys
-import time
 
 import numpy
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+import channel  # noqa: E402
 import rock  # noqa: E402
 
 LEVEL = 6
@@ -143,11 +143,9 @@ def main():
     assert shapes == [(size, size, 3), (size, size), (size, size, 3), (size, size)], shapes
     assert 2 < arrays[1][size // 2, size // 2] < 4, arrays[1][size // 2, size // 2]
     assert len(numpy.unique(numpy.round(arrays[3]))) >= 2
-    before, start = memory_mb(), time.perf_counter()
-    for i in range(views):
-        render(warm_up + i)
-    seconds = time.perf_counter() - start
-    print(json.dumps({"name": title, "seconds": seconds, "memory_mb": before, "growth_mb": memory_mb() - before}))
+    before = memory_mb()
+    _, figures = channel.timed(lambda: [render(warm_up + i) and None for i in range(views)])
+    print(json.dumps({"name": title, "memory_mb": before, "growth_mb": memory_mb() - before} | figures))
 
 
 if __name__ == "__main__":
