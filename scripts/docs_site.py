@@ -31,6 +31,10 @@ REFERENCE = """# Reference of the Python module
       show_root_heading: false
       show_root_toc_entry: false
 
+::: raggio._view.View
+    options:
+      show_root_full_path: false
+
 ::: raggio.datasets
 """
 
