@@ -1,7 +1,7 @@
 # Every target that builds first sees to it that the machine can: setup takes a moment when all is there.
 .DEFAULT_GOAL := help
 .NOTPARALLEL: # cargo uses all cores by itself, and two set-ups at once would collide
-.PHONY: help setup setup-tests setup-python demo install uninstall python test test-python test-long fuzz gallery bench curves style lint deny clean
+.PHONY: help setup setup-tests setup-python demo install uninstall python test test-python test-long fuzz gallery docs bench curves views style lint deny clean
 
 env := . scripts/env.sh &&
 # Tests also run the CPU kernels with bounds checks; what checks builds the same, or it would be built twice.
@@ -63,6 +63,11 @@ fuzz: ## damage scenes, models and images, each format for fuzz_seconds (60), an
 gallery: setup ## render the pictures of the documentation
 	$(env) python scripts/gallery.py
 
+# Fails where links lead to no file or heading. The variable keeps Material from advertising its successor.
+docs: ## make the documentation's site, with the Python reference and the gallery, in site/
+	@bash scripts/setup.sh --docs
+	NO_MKDOCS_2_WARNING=1 .venv-docs/bin/mkdocs build --strict
+
 # Options of scripts/bench: --quick, --all, --only, --without, --help.
 bench_options ?=
 
@@ -72,6 +77,11 @@ bench: setup ## measure raggio beside Mitsuba, Cycles and Embree (bench_options=
 curves: setup ## measure how cost grows with triangles, pixels, lights ..., and how the error falls with samples
 	$(env) python scripts/bench/curves.py
 	$(env) python scripts/bench/convergence.py
+
+views ?= 1000
+
+views: python ## measure many small views from Python, beside Mitsuba and pyrender, and how memory grows
+	$(env) python scripts/bench/views.py --views $(views)
 
 style: setup # lint without the compiler
 	$(env) cargo fmt --all --check
@@ -89,3 +99,4 @@ deny: ## check dependencies: licences, sources, known vulnerabilities (needs car
 
 clean: ## remove what was built; .venv stays
 	$(env) cargo clean
+	rm -rf site

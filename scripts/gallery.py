@@ -50,6 +50,11 @@ PICTURES = [
 ]
 
 
+def render(scene: str, picture: str, extra: list[str]) -> list[str]:
+    """Arguments of raggio that make a picture."""
+    return ["render", f"scenes/{scene}.toml", "-o", picture, *extra]
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description="Renders the pictures of the documentation into docs/images.")
     parser.add_argument("--program", metavar="PATH", help="a built raggio to use; default: cargo run")
@@ -66,8 +71,7 @@ def main() -> None:
         path = IMAGES / f"{name}.png"
         path.parent.mkdir(parents=True, exist_ok=True)
         began = time.monotonic()
-        command = [*raggio, "render", f"scenes/{scene}.toml", "-o", str(path), "--quiet", *extra]
-        if status := subprocess.run(command, cwd=ROOT).returncode:
+        if status := subprocess.run([*raggio, *render(scene, str(path), extra), "--quiet"], cwd=ROOT).returncode:
             sys.exit(f"gallery: {scene} failed with status {status}")
         size = path.stat().st_size
         total += size

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Gets a machine ready to build raggio; `make setup` calls it. Safe to repeat: it installs only what is
 # missing, and returns at once when nothing is. With --tests, also what the Vulkan tests need; with --python, what builds
-# and tests the Python module.
+# and tests the Python module; with --docs, what makes the documentation's site, and nothing else.
 # Python packages and slangc go into .venv/ in the project. The system is touched through apt-get alone, and
 # only by root (or a sudo that asks no password); elsewhere the script says what to install, and exits with 2.
 set -euo pipefail
@@ -16,7 +16,10 @@ for bin in "$root/.venv/bin" "$PWD/.venv/bin"; do PATH=${PATH//":$bin:"/:}; done
 PATH=${PATH#:} && PATH=${PATH%:}
 PATH=$PATH:${CARGO_HOME:-${HOME:-}/.cargo}/bin # rustup's place, which a shell opened before rustup ran does not know
 
-stamp=.venv/.setup-stamp-$(cat scripts/setup.sh scripts/requirements*.txt | cksum | cut -d' ' -f1)
+# The site's tools have an environment of their own, which nobody who builds raggio needs.
+venv=.venv
+[ "${1:-}" != --docs ] || venv=.venv-docs
+stamp=$venv/.setup-stamp-$(cat scripts/setup.sh scripts/requirements*.txt | cksum | cut -d' ' -f1)
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 incomplete=
@@ -87,20 +90,20 @@ check_rust() {
 
 # An environment works only where it was made and with the Python that made it.
 made_for() { echo "$root $("$1" -c 'import sys; print(sys.base_prefix, *sys.version_info[:2])' 2>/dev/null)"; }
-has_venv() { [ "$(cat .venv/.made-for 2>/dev/null)" = "$(made_for .venv/bin/python)" ]; }
+has_venv() { [ "$(cat $venv/.made-for 2>/dev/null)" = "$(made_for $venv/bin/python)" ]; }
 
 make_venv() {
     # What a link points to is somebody else's, and would be cleared.
-    [ ! -L .venv ] || { lack ".venv is a symbolic link: remove it, and a folder of its own is made." && exit 2; }
+    [ ! -L $venv ] || { lack "$venv is a symbolic link: remove it, and a folder of its own is made." && exit 2; }
     has_venv && return
-    say "making the Python environment .venv"
-    quietly python3 -m venv --clear .venv && made_for .venv/bin/python >.venv/.made-for
+    say "making the Python environment $venv"
+    quietly python3 -m venv --clear $venv && made_for $venv/bin/python >$venv/.made-for
 }
 
 # One retry: without a network, five with growing pauses would look like a hang. Wheels only: nothing is compiled. A list
 # names all there is to install, and checksums: files are those that raggio was tested with, or refused.
 pip_install() {
-    quietly .venv/bin/python -m pip install --retries 1 --only-binary :all: --no-deps --require-hashes -r "$1"
+    quietly $venv/bin/python -m pip install --retries 1 --only-binary :all: --no-deps --require-hashes -r "$1"
 }
 
 version_of() { { "$1" -v 2>&1 || true; } | sed -n 's/^v*\([0-9][0-9.]*\).*/\1/p' | head -n 1; }
@@ -157,9 +160,16 @@ get_python_tools() {
 
 get_python_module_tools() {
     [ -e "$stamp-python" ] && return
-    say "installing maturin, pytest, mypy and trimesh into .venv (40 MB, once)"
+    say "installing maturin, pytest, mypy, trimesh, JupyterLab and playwright into .venv (150 MB, once)"
     pip_install scripts/requirements-python.txt && touch "$stamp-python" && return
-    lack "maturin, pytest, mypy and trimesh could not be installed: check the network and run this again."
+    lack "maturin, pytest, mypy, trimesh, JupyterLab and playwright could not be installed: check the network and run this again."
+}
+
+get_docs_tools() {
+    [ -e "$stamp" ] && return
+    say "installing MkDocs into .venv-docs (100 MB, once)"
+    pip_install scripts/requirements-docs.txt && touch "$stamp" && return
+    lack "MkDocs could not be installed: check the network and run this again."
 }
 
 # ---- Vulkan for the tests: loader, validation layers, lavapipe, a device that needs no GPU, and a virtual screen
@@ -225,9 +235,22 @@ get_vulkan_for_tests() {
 # ---- What is done
 
 case ${1:-} in
-'' | --tests | --python) ;;
-*) warn "usage: scripts/setup.sh [--tests | --python]" && exit 2 ;;
+'' | --tests | --python | --docs) ;;
+*) warn "usage: scripts/setup.sh [--tests | --python | --docs]" && exit 2 ;;
 esac
+
+need_python() {
+    need has_python "python3 python3-venv" "Python 3.10 or newer with venv is missing: install python3 python3-venv \
+(Debian/Ubuntu), python3 (Fedora), python (Arch) or 'brew install python' (macOS)."
+}
+
+need_venv() { make_venv || { lack "Python could not make $venv; the lines above say why." && exit 2; }; }
+
+if [ "${1:-}" = --docs ]; then
+    need_python
+    [ -n "$incomplete" ] || { need_venv && get_docs_tools; }
+    exit ${incomplete:+2}
+fi
 
 need has_compiler "g++" "A C++ compiler ${CXX:+(CXX=$CXX does not work) }is missing: install g++ (Debian/Ubuntu), gcc-c++ (Fedora), gcc (Arch) \
 or run 'xcode-select --install' (macOS); for clang alone, set CXX=clang++."
@@ -247,12 +270,11 @@ if ! has_clang && has_apt; then
     apt_update
     apt_install clang-19 2>/dev/null || say "clang-19 cannot be had: g++ will do"
 fi
-need has_python "python3 python3-venv" "Python 3.10 or newer with venv is missing: install python3 python3-venv \
-(Debian/Ubuntu), python3 (Fedora), python (Arch) or 'brew install python' (macOS)."
+need_python
 check_rust
 
 if [ -z "$incomplete" ]; then
-    make_venv || { lack "Python could not make .venv; the lines above say why." && exit 2; }
+    need_venv
     get_slangc
     [ -n "$incomplete" ] || get_python_tools
     [ -n "$incomplete" ] || [ "${1:-}" != --python ] || get_python_module_tools

@@ -27,6 +27,7 @@ from ._errors import (
 )
 from ._image import Image
 from ._materials import Environment, Material, Principled, Texture
+from ._notebook import view
 from ._render import Device, Renderer, devices, render, render_many
 from ._scene import Object, Scene, load
 from ._shapes import Box, Mesh, Plane, Rectangle, Sphere
@@ -70,4 +71,5 @@ __all__ = [
     "load",
     "render",
     "render_many",
+    "view",
 ]

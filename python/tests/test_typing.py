@@ -30,6 +30,7 @@ views: Iterator[tuple[int, rg.Image]] = rg.render_many(scene, [camera], samples=
 renderer = rg.Renderer(scene, camera)
 renderer.step(16)
 renderer.camera = rg.Camera.look_at((0, 0, 1), (0, 0, 0))
+rg.view(scene, camera, size=(64, 48), tone_mapper="agx").camera = renderer.camera
 try:
     renderer.image.save("a.png")
 except rg.Interrupted as stop:

@@ -33,7 +33,7 @@ def install():
     stamp = ENVIRONMENT / ".installed"
     if stamp.exists() and stamp.read_text() == LIST.read_text():
         return
-    say("installing Mitsuba, Embree and Blender's Cycles into .venv-peers (600 MB, once)")
+    say("installing Mitsuba, Embree, pyrender and Blender's Cycles into .venv-peers (700 MB, once)")
     if not PYTHON.exists():
         # The version that there are wheels of Blender for.
         python = shutil.which("python3.11") or sys.executable
@@ -42,8 +42,10 @@ def install():
     for line in LIST.read_text().splitlines():
         if not line or line.startswith("#"):
             continue
+        requirement, *options = line.split(" --")
         done = subprocess.run([PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--retries", "1",
-                               "--only-binary", ":all:", line], capture_output=True, text=True)
+                               "--only-binary", ":all:", *(f"--{option}" for option in options), requirement],
+                              capture_output=True, text=True)
         if done.returncode:
             complete = False
             say(f"{line.split('=')[0]} cannot be installed: {last_line(done.stderr)}")
