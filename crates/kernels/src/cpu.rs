@@ -2,8 +2,6 @@
 
 #![allow(unsafe_code)] // The call itself; all that it relies on is checked here.
 
-#[cfg(target_os = "linux")]
-mod pages;
 mod wide;
 #[cfg(target_arch = "x86_64")]
 mod x86;
@@ -187,19 +185,6 @@ impl CpuScene {
         // Rays that try all shapes walk through no hierarchy.
         let is_built = cfg!(target_arch = "x86_64") && self.walk != Walk::Portable && !tries_all;
         self.wide = if is_built { WideScene::new(&self.buffers, self.wide.as_ref()) } else { None };
-        #[cfg(target_os = "linux")]
-        self.enlarge_pages();
-    }
-
-    /// Asks for large pages for all that rays read.
-    #[cfg(target_os = "linux")]
-    fn enlarge_pages(&self) {
-        // Nobody reads the binary nodes of meshes where there are wide ones.
-        let is_read = |name: &str| name != "mesh_nodes" || self.wide.is_none();
-        self.buffers.bytes().iter().filter(|list| is_read(list.name)).for_each(|list| pages::enlarge(list.bytes));
-        if let Some(wide) = &self.wide {
-            wide.enlarge_pages();
-        }
     }
 
     /// Takes another scene in place of this one; what both share is not checked again. Fails if an index in it points

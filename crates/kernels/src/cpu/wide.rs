@@ -82,12 +82,6 @@ impl WideScene {
         ]
     }
 
-    /// Asks for large pages for the nodes of all meshes.
-    #[cfg(target_os = "linux")]
-    pub fn enlarge_pages(&self) {
-        super::pages::enlarge(&self.meshes.nodes);
-    }
-
     /// Bytes of nodes and triangles.
     fn bytes(&self, buffers: &SceneBuffers) -> usize {
         let nodes = self.nodes.len() + self.meshes.nodes.len();
