@@ -7,6 +7,7 @@ mod files;
 mod listing;
 mod manual;
 mod merge;
+mod order;
 mod output;
 mod progress;
 mod render;

@@ -1,14 +1,15 @@
-//! The commands `raggio render` and `raggio demo`: arguments in, a request to the library out.
+//! The commands `raggio render` and `raggio demo`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
-use raggio_render::{Aov, Checkpoints, Choice, Display, OutputFile, PictureFormat, PngBits, RenderRequest, Stop};
+use raggio_render::{Display, PictureFormat, PngBits, RenderRequest};
 use raggio_scene::{Assets, Integrator, Scene};
 
-use crate::args::{CheckpointArguments, DemoArguments, RenderArguments};
+use crate::args::{DemoArguments, RenderArguments};
 use crate::error::Failure;
 use crate::files::{Files, Wanted, denoiser};
+use crate::order::{checkpoints, request, wanted};
 use crate::progress::ProgressStyle;
 use crate::run::{Job, run};
 use crate::sequence;
@@ -47,37 +48,6 @@ pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
     run(Job { start, scene, request, files: &files, denoiser, machine, overrides, progress })
 }
 
-/// Request for pictures in `outputs`, but for their samples and checkpoints.
-pub fn request(arguments: &RenderArguments, outputs: &[PathBuf]) -> RenderRequest {
-    RenderRequest {
-        name: arguments.scene.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        layers: Aov::ALL.iter().copied().filter(|aov| arguments.aov.iter().any(|named| named.contains(aov))).collect(),
-        denoise: arguments.denoise,
-        label: outputs.iter().any(|path| PictureFormat::of_path(path) == Some(PictureFormat::Film)),
-        stop: Stop { noise: arguments.stop.noise, time_limit: arguments.stop.time_limit, ..Stop::default() },
-        ..RenderRequest::default()
-    }
-}
-
-/// Files that are asked for: pictures in `outputs`, figures and a checkpoint.
-pub fn wanted<'a>(
-    arguments: &RenderArguments,
-    outputs: &'a [PathBuf],
-    stats: Option<&'a Path>,
-    checkpoint: Option<&'a Path>,
-) -> Wanted<'a> {
-    let look = &arguments.look;
-    Wanted {
-        pictures: outputs,
-        png_bits: look.png_bits,
-        display: Display { exposure: look.exposure, tone_mapper: look.tone_mapper, ..Display::default() },
-        has_layers: !arguments.aov.is_empty(),
-        denoise: arguments.denoise,
-        stats,
-        checkpoint,
-    }
-}
-
 /// Runs `raggio demo`.
 pub fn demo(arguments: &DemoArguments) -> Result<(), Failure> {
     let start = Instant::now();
@@ -101,32 +71,4 @@ pub fn demo(arguments: &DemoArguments) -> Result<(), Failure> {
     let (machine, overrides) = (&arguments.machine, &arguments.overrides);
     let progress = ProgressStyle::Auto;
     run(Job { start, scene, request, files: &files, denoiser: None, machine, overrides, progress })
-}
-
-/// Checkpoints that are asked for, or those beside the first output that has a place, else in the current folder.
-pub fn checkpoints(
-    arguments: &CheckpointArguments,
-    wanted: Option<&Path>,
-    files: &Files,
-    scene: &Path,
-) -> Option<Checkpoints> {
-    let CheckpointArguments { checkpoint: _, checkpoint_every, no_checkpoint, resume } = arguments;
-    if *no_checkpoint {
-        return None;
-    }
-    let mut checkpoints = match wanted {
-        Some(path) => Checkpoints { path: path.into(), only_long: false, ..Checkpoints::beside(path) },
-        None => {
-            let placed = files.pictures.iter().find(|file| file.file().place().is_some());
-            let beside = placed.map_or(Path::new(scene.file_stem().unwrap_or_default()), |file| file.path());
-            let checkpoints = Checkpoints::beside(beside);
-            // Nobody has asked for them, so that they are no reason to refuse a render.
-            OutputFile::new(&checkpoints.path).ok()?;
-            checkpoints
-        }
-    };
-    checkpoints.every = checkpoint_every.unwrap_or(checkpoints.every);
-    checkpoints.only_long &= checkpoint_every.is_none();
-    checkpoints.resume = *resume;
-    Some(checkpoints)
 }
