@@ -144,5 +144,5 @@ fn rays_find_the_same() {
         }
     }
     let found = expected.expect("some level is there").iter().filter(|hit| hit.shape != u32::MAX).count();
-    assert!(found > 1000 && found < 4999, "{found} of the rays find something");
+    assert!(found > 500 && found < 4500, "{found} of the rays find something");
 }
