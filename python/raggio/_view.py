@@ -233,10 +233,17 @@ def _pan(camera: Camera, x: float, y: float) -> Camera:
     position, target = np.array(camera.position), np.array(camera.target)
     height = camera.orthographic_height
     if height is None:
-        height = 2.0 * float(np.linalg.norm(target - position)) * math.tan(0.5 * math.radians(camera.vfov_degrees))
+        height = float(np.linalg.norm(target - position)) * _height_at_1(camera)
     axes = camera.world_from_camera(convention="opengl")[:3, :3]
     shift = height * (y * axes[:, 1] - x * axes[:, 0])
     return replace(camera, position=vector("position", position + shift), target=vector("target", target + shift))
+
+
+def _height_at_1(camera: Camera) -> float:
+    """Height of the picture at the distance 1; that of a panorama, which has none, is of half as many degrees."""
+    if camera.calibration is not None:
+        return camera.calibration.size[1] / camera.calibration.focal[1]
+    return 2.0 * math.tan(0.5 * math.radians(90.0 if camera.vfov_degrees is None else camera.vfov_degrees))
 
 
 def _dolly(camera: Camera, x: float, y: float) -> Camera:

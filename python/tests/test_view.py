@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import os
 import shutil
@@ -56,6 +57,15 @@ def test_moves() -> None:
     np.testing.assert_allclose(at(shifted), (-half, half, 4))
     np.testing.assert_allclose(shifted.target, (-half, half, 0))
     np.testing.assert_allclose(at(MOVES["dolly"](FRONT, 0, -800)), (0, 0, 4 / np.e))
+    # So it does where intrinsics say how much is seen; a panorama goes as far as a picture of 90 degrees.
+    focal = 50 / np.tan(np.radians(FRONT.vfov_degrees / 2))
+    K = [[focal, 0, 50], [0, focal, 50], [0, 0, 1]]
+    pose = FRONT.world_from_camera(convention="opengl")
+    measured = rg.Camera.from_matrix(pose, K=K, size=(100, 100), convention="opengl")
+    measured = dataclasses.replace(measured, target=FRONT.target)
+    np.testing.assert_allclose(at(MOVES["pan"](measured, 0.5, 0.5)), (-half, half, 4), rtol=1e-6)
+    panorama = rg.Camera.look_at((0, 0, 4), (0, 0, 0), panorama="latitude-longitude")
+    np.testing.assert_allclose(at(MOVES["pan"](panorama, 0, 0.5)), (0, 4, 4), rtol=1e-12)
     parallel = rg.Camera.look_at((0, 0, 4), (0, 0, 0), orthographic_height=2)
     assert MOVES["dolly"](parallel, 0, 800).orthographic_height == pytest.approx(2 * np.e)
 
