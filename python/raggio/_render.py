@@ -67,8 +67,9 @@ def render(
     ``samples`` a pixel, ``time_limit`` seconds, or where the relative error is below ``noise``, whichever comes first.
     ``max_depth`` is the most rays along a path; 0 sets no limit. ``alpha`` leaves out the background where it is seen
     directly, and makes the image (height, width, 4) with premultiplied alpha. ``device`` is "auto" (a GPU if there is
-    one), "cpu", "vulkan" or "vulkan:N"; ``threads`` are those of the CPU. ``aovs`` are layers: :data:`AOVS` has their
-    names, "all" stands for all. ``denoise`` removes noise by Intel Open Image Denoise (``pip install pyoidn``).
+    one), "cpu", "vulkan" or "vulkan:N"; several separated by commas share the picture, as does "all", every GPU with
+    the CPU; ``threads`` are those of the CPU. ``aovs`` are layers: :data:`AOVS` has their names, "all" stands for all.
+    ``denoise`` removes noise by Intel Open Image Denoise (``pip install pyoidn``).
 
     ``progress`` is a function of the part that is done, the samples and the seconds; ``True``: a bar by tqdm;
     ``None``: a bar on terminals and in notebooks, where tqdm is installed; ``False``: nothing.
