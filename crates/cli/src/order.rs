@@ -1,4 +1,4 @@
-//! What the arguments of `raggio render` order: a request to the library, files, checkpoints.
+//! Orders of `raggio render`: its arguments as a request to the library, files and checkpoints.
 
 use std::path::{Path, PathBuf};
 

@@ -343,7 +343,7 @@ fn with_path(folder: &Path, path: &str, arguments: &[&str]) -> Output {
         .expect("raggio starts")
 }
 
-/// What ffmpeg gets is the frames' pictures in the order of time, odd sizes with a copy of the last row and column.
+/// Input of ffmpeg are the frames' pictures in the order of time, odd sizes with a copy of the last row and column.
 #[cfg(unix)]
 #[test]
 fn a_video_is_made_of_the_pictures() {

@@ -8,7 +8,7 @@ mod x86;
 
 use std::sync::Arc;
 
-use wide::WideScene;
+use wide::{TraversalWords, WideScene};
 
 use crate::{
     BLOCK, BrokenScene, Comparison, EntryPoint, FILM_WORD, FilmPixel, INPUT_WORD, OUTPUT_WORD, PixelFilter, Probe,
@@ -87,7 +87,7 @@ pub struct TracedRay {
     pub any: bool,
 }
 
-/// What a ray has found: `TracedHit` of `cpp/rays.h`.
+/// Surface that a ray has found: `TracedHit` of `cpp/rays.h`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TracedHit {
@@ -120,15 +120,22 @@ pub fn follow(set: InstructionSet, scene: &CpuScene, rays: &[TracedRay], hits: &
     let walk = walk_function(set).filter(|_| InstructionSet::available().contains(&set));
     let walk = walk.unwrap_or_else(|| panic!("there is no {} code for this processor here", set.name()));
     let (work, block) = (Work::default(), scene.block());
-    let traversal = scene.wide.as_ref().map(|wide| wide.words(&scene.buffers, scene.walk == Walk::InTurn));
-    let mut globals = [0u64; TRAVERSAL_WORD + 1];
-    globals[TRAVERSAL_WORD] = traversal.as_ref().map_or(0, |words| words.as_ptr() as u64);
-    globals[SCENE_WORD] = block.as_ptr() as u64;
-    globals[WORK_WORD] = std::ptr::from_ref(&work) as u64;
+    let traversal = scene.traversal();
+    let globals = globals(&block, &work, traversal.as_ref());
     for (rays, hits) in rays.chunks(MOST_FOLLOWED).zip(hits.chunks_mut(MOST_FOLLOWED)) {
         // SAFETY: rays and hits are as many as are told, and laid out as in `cpp/rays.h`; all else as in `dispatch`.
         unsafe { walk(globals.as_ptr(), rays.as_ptr(), hits.as_mut_ptr(), rays.len() as u32) };
     }
+}
+
+/// Parameters of the kernels: addresses of the scene's block, the work and, behind them, what hand-written code walks through.
+/// They are good as long as these are.
+fn globals(block: &[u64], work: &Work, traversal: Option<&TraversalWords>) -> [u64; TRAVERSAL_WORD + 1] {
+    let mut globals = [0; TRAVERSAL_WORD + 1];
+    globals[TRAVERSAL_WORD] = traversal.map_or(0, |words| words.as_ptr() as u64);
+    globals[SCENE_WORD] = block.as_ptr() as u64;
+    globals[WORK_WORD] = std::ptr::from_ref(work) as u64;
+    globals
 }
 
 /// Most rays that one call follows.
@@ -201,6 +208,11 @@ impl CpuScene {
         &self.buffers
     }
 
+    /// `Traversal` of `cpp/traversal.h`, if rays walk through wide nodes.
+    fn traversal(&self) -> Option<TraversalWords> {
+        Some(self.wide.as_ref()?.words(&self.buffers, self.walk == Walk::InTurn))
+    }
+
     /// Parameter block of the kernels: the address and length of each buffer, where the reflection puts them.
     fn block(&self) -> Vec<u64> {
         let bytes = self.buffers.bytes();
@@ -269,12 +281,8 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
         |scene: &CpuScene| work.filter != PixelFilter::Tabulated as u32 || !scene.buffers.filter_table.is_empty();
     assert!(scene.is_none_or(drawn), "the scene has no table of the work's filter");
     let block = scene.map_or_else(empty_block, CpuScene::block);
-    let traversal =
-        scene.and_then(|scene| Some(scene.wide.as_ref()?.words(&scene.buffers, scene.walk == Walk::InTurn)));
-    let mut globals = [0u64; TRAVERSAL_WORD + 1];
-    globals[TRAVERSAL_WORD] = traversal.as_ref().map_or(0, |words| words.as_ptr() as u64);
-    globals[SCENE_WORD] = block.as_ptr() as u64;
-    globals[WORK_WORD] = std::ptr::from_ref(work) as u64;
+    let traversal = scene.and_then(CpuScene::traversal);
+    let mut globals = globals(&block, work, traversal.as_ref());
     for (word, address, count) in [
         (FILM_WORD, buffers.film.as_mut_ptr() as u64, buffers.film.len()),
         (OUTPUT_WORD, buffers.output.as_mut_ptr() as u64, buffers.output.len()),

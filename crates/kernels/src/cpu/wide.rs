@@ -10,8 +10,8 @@ use self::blocks::{Blocks, InstanceRecord};
 use self::collapse::{LEAF, Leaves, Node, collapse};
 use crate::{BvhChild, BvhNode, Mesh, SceneBuffers, ShapeKind, ShapeReference, Triangle};
 
-/// Number of words of `Traversal` in `cpp/traversal.h`.
-const WORDS: usize = 9;
+/// `Traversal` of `cpp/traversal.h`.
+pub type TraversalWords = [u64; 9];
 /// Reference to nothing.
 const NONE: u32 = u32::MAX;
 /// Triangles that a leaf may have: two of the blocks that are tested at once.
@@ -67,7 +67,7 @@ impl WideScene {
     }
 
     /// `Traversal` of `cpp/traversal.h`; rays take turns if `in_turn`, or where the scene is large. Its addresses are good as long as this scene and `buffers` are.
-    pub fn words(&self, buffers: &SceneBuffers, in_turn: bool) -> [u64; WORDS] {
+    pub fn words(&self, buffers: &SceneBuffers, in_turn: bool) -> TraversalWords {
         let Blocks { instances, spheres, rectangles, boxes } = &self.blocks;
         [
             self.nodes.as_ptr() as u64,

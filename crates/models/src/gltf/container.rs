@@ -101,8 +101,7 @@ fn is_utf16(json: &[u8]) -> bool {
 }
 
 fn deserialize(json: &[u8], has_lines: bool) -> Result<Document, Fault> {
-    let document = serde_json::from_slice(json).map_err(|error| fault(error, json, has_lines))?;
-    Ok(document)
+    serde_json::from_slice(json).map_err(|error| fault(error, json, has_lines))
 }
 
 fn fault(error: serde_json::Error, json: &[u8], has_lines: bool) -> Fault {

@@ -155,7 +155,7 @@ pub fn open(choice: DeviceChoice, options: OpenOptions, warn: impl Fn(&str)) -> 
     let gpu = match choice {
         DeviceChoice::Cpu => None,
         DeviceChoice::Vulkan(number) => Some(open_vulkan(number, &options)?),
-        DeviceChoice::Auto => open_gpu(&options, warn)?,
+        DeviceChoice::Auto => usable_gpus(&options, warn)?.next(),
     };
     match gpu {
         Some(gpu) => Ok(Box::new(gpu)),
@@ -176,11 +176,8 @@ pub fn open_all(
     let mut devices: Vec<Box<dyn Device>> = vec![];
     match selection {
         DeviceSelection::All => {
-            for gpu in gpus(options)? {
-                match VulkanDevice::new(&gpu) {
-                    Ok(device) => devices.push(Box::new(device)),
-                    Err(error) => warn(&format!("{} is not used: {error}", gpu.name)),
-                }
+            for gpu in usable_gpus(options, &warn)? {
+                devices.push(Box::new(gpu));
             }
             devices.push(Box::new(CpuDevice::new(options.cpu)?));
         }
@@ -200,27 +197,19 @@ pub fn open_all(
     Ok(if devices.len() == 1 { devices.remove(0) } else { Box::new(DeviceGroup::new(devices)) })
 }
 
-/// GPUs by kind, the fastest kind first; software devices are left to those who ask for them. No Vulkan is no error here,
-/// but validation that was asked for and cannot be had is.
-fn gpus(options: &OpenOptions) -> Result<Vec<PhysicalDevice>, DeviceError> {
+/// GPUs that can be used, by kind, the fastest kind first, each opened when it is asked for; software devices are left to
+/// those who ask for them. No Vulkan is no error here, but validation that was asked for and cannot be had is.
+fn usable_gpus(options: &OpenOptions, warn: impl Fn(&str)) -> Result<impl Iterator<Item = VulkanDevice>, DeviceError> {
     let mut physical = match options.physical_devices() {
         Err(error @ VulkanError::NoValidationLayers) => return Err(error.into()),
         other => other.unwrap_or_default(),
     };
     physical.retain(|gpu| matches!(gpu.kind, DeviceKind::Discrete | DeviceKind::Integrated));
     physical.sort_by_key(|gpu| gpu.kind != DeviceKind::Discrete);
-    Ok(physical)
-}
-
-/// The first GPU that can be used.
-fn open_gpu(options: &OpenOptions, warn: impl Fn(&str)) -> Result<Option<VulkanDevice>, DeviceError> {
-    for gpu in gpus(options)? {
-        match VulkanDevice::new(&gpu) {
-            Ok(device) => return Ok(Some(device)),
-            Err(error) => warn(&format!("{} is not used: {error}", gpu.name)),
-        }
-    }
-    Ok(None)
+    let open = move |gpu: PhysicalDevice| {
+        VulkanDevice::new(&gpu).map_err(|error| warn(&format!("{} is not used: {error}", gpu.name))).ok()
+    };
+    Ok(physical.into_iter().filter_map(open))
 }
 
 fn open_vulkan(number: Option<usize>, options: &OpenOptions) -> Result<VulkanDevice, DeviceError> {
