@@ -91,7 +91,7 @@ const WRITTEN_BY_HAND: [(&str, &str); 6] = [
 ];
 
 /// Word behind the kernels' parameters in which the host passes its `Traversal`.
-const TRAVERSAL_WORD: usize = 15;
+pub const TRAVERSAL_WORD: usize = 15;
 
 /// C++ of all kernels, in the parts that the C++ compiler gets.
 pub struct Sources {

@@ -67,7 +67,7 @@ extern "C" void RAGGIO_OF_LEVEL(raggio_walk_)(
     memcpy(&context, &globals, sizeof globals);
 #if defined(__AVX2__) && defined(__FMA__)
     if (const raggio::Traversal* traversal = raggio::traversalOf(globals)) {
-        if (traversal->inTurn) {
+        if (count > 1) {
             raggio::walkInTurn(*traversal, rays, hits, count, [&](raggio::Way& way) {
                 return raggio::KernelHoles{(KERNEL_RAY*)&way.ray, way.ray.key, &context};
             });

@@ -101,7 +101,47 @@ public:
 
     Context& at(Context& context, uint32_t slot) {
         context.paths = {words[0] + slot, CAPACITY};
+        context.ahead = {nullptr, 0};
         return context;
+    }
+
+    /// The same, for a stage that takes what has been found ahead.
+    Context& atFound(Context& context, uint32_t slot) {
+        at(context, slot);
+        if (context.globals[TRAVERSAL_WORD]) context.ahead = {ahead[0] + slot, CAPACITY};
+        return context;
+    }
+
+    /// Follows the rays that the first `count` paths are about to ask for, more of them in turn than one vector has. The stage
+    /// that asks need not find here what it asks for.
+    RAGGIO_NOINLINE void followAhead(const uint64_t* globals, uint32_t count) {
+        if (!globals[TRAVERSAL_WORD]) return;
+        using namespace path_columns;
+        raggio::TracedRay followed[2 * CAPACITY];
+        raggio::TracedHit hits[2 * CAPACITY];
+        float* places[2 * CAPACITY];
+        uint32_t number = 0;
+        auto follow = [&](uint32_t slot, Ahead found, bool isAsked, uint32_t ray, uint32_t key, float limit, bool any) {
+            memset(&ahead[found + 5][slot], isAsked ? 0xff : 0, 4);
+            if (!isAsked) return;
+            raggio::TracedRay& to = followed[number];
+            for (int k = 0; k < 3; k++) to.origin[k] = words[ray + k][slot], to.direction[k] = words[ray + 3 + k][slot];
+            to.key = bits(key, slot);
+            to.any = any;
+            hits[number] = {limit, raggio::NOTHING, 0, {0, 0}};
+            places[number++] = &ahead[found][slot];
+        };
+        for (uint32_t slot = 0; slot < count; slot++) {
+            follow(slot, ONWARD, !(bits(flags, slot) & NO_RAY_ONWARD), ray, key, __builtin_inff(), false);
+            bool lights = words[shadowValue][slot] > 0 || words[shadowValue + 1][slot] > 0 || words[shadowValue + 2][slot] > 0;
+            follow(slot, SHADOW, lights, shadowRay, shadowKey, words[shadowDistance][slot], bits(mediaCount, slot) == 0);
+        }
+        RAGGIO_OF_LEVEL(raggio_walk_)(globals, followed, hits, number);
+        for (uint32_t i = 0; i < number; i++) {
+            float hit[5];
+            memcpy(hit, &hits[i], sizeof hit);
+            for (int k = 0; k < 5; k++) places[i][k * CAPACITY] = hit[k];
+        }
     }
 
     void clear() { memset(words[path_columns::status], 0, sizeof words[0]); }
@@ -145,6 +185,14 @@ public:
 private:
     /// `Status.Alive`.
     static constexpr uint32_t ALIVE = 1;
+    /// `NO_RAY_ONWARD` of kernels/stages/state.slang.
+    static constexpr uint32_t NO_RAY_ONWARD = 64;
+
+    uint32_t bits(uint32_t column, uint32_t slot) const {
+        uint32_t x;
+        memcpy(&x, &words[column][slot], sizeof x);
+        return x;
+    }
 
     Uint vector(uint32_t column, uint32_t i) const {
         Uint x;
@@ -153,6 +201,7 @@ private:
     }
 
     alignas(64) float words[path_columns::size][CAPACITY];
+    alignas(64) float ahead[AHEAD][CAPACITY];
 };
 
 static void path(const uint64_t* globals)
@@ -180,8 +229,9 @@ static void path(const uint64_t* globals)
         alive += begun;
         if (alive == 0) return;
         const Uint zero = splat(0u);
+        queue.followAhead(globals, alive);
         for (uint32_t slot = 0; slot < alive; slot += LANES)
-            find(queue.at(context, slot), firstLanes(alive - slot), splat(slot), zero, zero);
+            find(queue.atFound(context, slot), firstLanes(alive - slot), splat(slot), zero, zero);
         uint32_t found = queue.divide(alive);
         for (uint32_t slot = 0; slot < found; slot += LANES)
             shade(queue.at(context, slot), firstLanes(found - slot), splat(slot), zero, zero);
