@@ -5,7 +5,8 @@
 // need only be conservative, and may fuse. Among surfaces at one distance the lowest (shape, triangle) is the nearest, in
 // whatever order they are found.
 //
-// `Holes` answers whether surfaces are there that let part of the light pass: see kernels/coverage.slang.
+// `Holes` answers whether surfaces are there that let part of the light pass: see kernels/coverage.slang. It is told of each
+// node and block that a ray is tested against, for those who count them.
 #pragma once
 #include <immintrin.h>
 #include "rays.h"
@@ -174,6 +175,7 @@ RAGGIO_INLINE void intersectTriangles(
     const TriangleRecord* triangles, uint32_t first, unsigned count, const RaySetup& ray, uint32_t shape, bool hasHoles,
     const Holes& holes, TracedHit& hit)
 {
+    holes.meetsTriangles();
     const float* t0 = triangles[first].corners[0];
     const float* t1 = t0 + (count > 1 ? 12 : 0);
     const float* t2 = t0 + (count > 2 ? 24 : 0);
@@ -326,6 +328,7 @@ template <int ROWS, class Holes>
 RAGGIO_INLINE void intersectBlock(
     const Block<ROWS>& block, const float* origin, const float* direction, const Holes& holes, TracedHit& hit)
 {
+    holes.meetsShapes();
     auto all = [](const float* v) { return Vector4{_mm_set1_ps(v[0]), _mm_set1_ps(v[1]), _mm_set1_ps(v[2])}; };
     __m128 t = distances(block, all(origin), all(direction));
     unsigned met = _mm_movemask_ps(_mm_and_ps(_mm_cmple_ps(t, _mm_set1_ps(hit.distance)), _mm_cmplt_ps(t, _mm_set1_ps(INFINITE))));
@@ -463,8 +466,10 @@ RAGGIO_INLINE void walkMesh(
     Waiting* top = base;
     uint32_t reference = instance.root;
     do {
-        while (!(reference & LEAF))
+        while (!(reference & LEAF)) {
+            holes.meetsNode();
             if (!enter<ANY>(nodes + (size_t(reference) << 8), ray, hit.distance, top, reference)) goto waits;
+        }
         intersectLeaf(all.triangles, reference, instance, ray, holes, hit);
         if (ANY && hit.found()) return;
     waits:;
@@ -481,8 +486,10 @@ RAGGIO_INLINE void walk(const Traversal& all, const TracedRay& ray, const Holes&
     Waiting stack[STACK];
     Waiting* top = stack;
     do {
-        while (!(reference & LEAF))
+        while (!(reference & LEAF)) {
+            holes.meetsNode();
             if (!enter<ANY>((const char*)all.nodes + (size_t(reference) << 8), setup, hit.distance, top, reference)) goto waits;
+        }
         {
             uint32_t place = reference & PLACE;
             switch ((reference & ~LEAF) >> TRIANGLES_SHIFT) {
@@ -547,6 +554,7 @@ RAGGIO_INLINE void begin(const Traversal& all, Way& way) {
 /// Goes on by one node or one leaf, and asks memory for what the next step reads. False if the way has ended.
 template <class Holes> RAGGIO_INLINE bool step(const Traversal& all, Way& way, const Holes& holes) {
     if (!(way.reference & LEAF)) {
+        holes.meetsNode();
         const char* node = way.nodes + (size_t(way.reference) << 8);
         bool enters = way.ray.any ? enter<true>(node, *way.setup, way.hit.distance, way.top, way.reference)
                               : enter<false>(node, *way.setup, way.hit.distance, way.top, way.reference);

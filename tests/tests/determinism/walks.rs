@@ -128,8 +128,8 @@ fn rays_find_the_same() {
         .collect();
     let mut expected: Option<Vec<TracedHit>> = None;
     for walk in [Walk::Portable, Walk::Wide, Walk::InTurn] {
-        let scene = CpuScene::with_walk(buffers.clone(), walk).expect("the scene is whole");
         for set in InstructionSet::available() {
+            let scene = CpuScene::new(buffers.clone(), set, walk).expect("the scene is whole");
             let mut hits = vec![TracedHit::NOTHING; rays.len()];
             follow(set, &scene, &rays, &mut hits);
             // Of any surfaces each way may find another.
