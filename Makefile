@@ -74,9 +74,11 @@ bench_options ?=
 bench: setup ## measure raggio beside Mitsuba, Cycles and Embree (bench_options=--quick: a minute)
 	$(env) python scripts/bench $(bench_options)
 
+# Options of scripts/bench/curves.py: --all, --only, --plots docs/images, --help.
+curve_options ?=
+
 curves: setup ## measure how cost grows with triangles, pixels, lights ..., and how the error falls with samples
-	$(env) python scripts/bench/curves.py
-	$(env) python scripts/bench/convergence.py
+	$(env) python scripts/bench/curves.py $(curve_options)
 
 views ?= 1000
 
