@@ -45,9 +45,9 @@ test: setup-tests ## build and run all tests
 test-python: python ## test the Python module
 	$(env) python -m pytest -q
 
-# Every lamp on every material alone, every lamp at every depth, software Vulkan beside Mitsuba's pictures, and CONTRIBUTING's
-# disk built into a copy of the tree: what takes long and has rarely found anything beyond what `make test` runs. No run for
-# a change needs it.
+# Every lamp on every material alone, every lamp at every depth, software Vulkan beside Mitsuba's pictures, instructions of a
+# sample as valgrind counts them, and CONTRIBUTING's disk built into a copy of the tree: what takes long and has rarely found
+# anything beyond what `make test` runs. No run for a change needs it.
 test-long: setup-tests ## the tests with all that is too slow for `make test`
 	$(test_env) RAGGIO_TEST_LONG=1 cargo test --profile quick --workspace
 
