@@ -58,6 +58,7 @@ def draw(counts, errors, plot):
     axes.set(xlabel="samples of each pixel, N", ylabel="relative RMS error", xticks=counts,
              xticklabels=[f"{count:,}" for count in counts])
     axes.set_yscale("log", base=10)
+    axes.yaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{100 * value:g} %"))
     axes.grid(alpha=0.3)
     axes.legend(frameon=False)
     figure.savefig(plot, bbox_inches="tight", dpi=110, metadata={"Software": None})

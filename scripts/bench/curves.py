@@ -97,9 +97,9 @@ def materials(count, shapes):
     chance = random.Random(2)
     listed = []
     for i in range(count):
-        color = ", ".join(f"{chance.uniform(0.2, 0.9):.3f}" for _ in range(3))
-        smooth = "smoothness = 1.0\n" if i % 3 == 2 else ""
-        listed.append(f"[materials.m{i}]\ncolor = [{color}]\n{smooth}")
+        # So much alike that paths are as long with one as with many.
+        color = ", ".join(f"{chance.uniform(0.5, 0.6):.4f}" for _ in range(3))
+        listed.append(f"[materials.m{i}]\ncolor = [{color}]\n")
     header = HEADER.format(sky=1.0) + "".join(listed)
     placed = (f'[[shapes]]\nmaterial = "m{i % count}"\n{ball}' for i, ball in enumerate(balls(shapes, (0, 3), 12.0)))
     return scene_of(f"materials-{count}", header, placed)
@@ -164,26 +164,43 @@ def exponent(places, costs):
     """Slope on logarithmic axes, by least squares; nothing where a cost was lost in noise."""
     if len(places) < 2 or min(costs) <= 0:
         return math.nan
-    return float(numpy.polyfit(numpy.log(places), numpy.log(costs), 1)[0])
+    # No slope is 0, and not -0.
+    return round(float(numpy.polyfit(numpy.log(places), numpy.log(costs), 1)[0]), 2) + 0.0
 
 
-def draw(name, curve, places, costs, slope, folder):
-    from matplotlib import pyplot, ticker
+def number(value):
+    for unit, name in ((1e6, " M"), (1e3, " k")):
+        if value >= 10 * unit or (value >= unit and unit > 1e3):
+            return f"{value / unit:.4g}{name}"
+    return f"{value:,.4g}"
+
+
+def ticks(axis, values):
+    """Numbers as people write them, at 1, 2 and 5 of each decade where there are few."""
+    from matplotlib import ticker
+
+    few = max(values) < 100 * min(values)
+    axis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5) if few else (1,)))
+    axis.set_major_formatter(ticker.FuncFormatter(lambda value, _: number(value)))
+    axis.set_minor_formatter(ticker.NullFormatter())
+
+
+def draw(name, curve, places, costs, slopes, folder):
+    from matplotlib import pyplot
 
     figure, axes = pyplot.subplots(figsize=(4.5, 3))
+    costs = [1e3 * cost for cost in costs]
     axes.loglog(places, costs, "o-", markersize=4)
-    if math.isfinite(slope):
-        middle = math.exp(numpy.mean(numpy.log(costs)) - slope * numpy.mean(numpy.log(places)))
-        axes.loglog(places, [middle * x**slope for x in places], ":", color="gray")
-    if max(costs) < 4 * min(costs) and min(costs) > 0:
-        # A decade at least, so that what is hardly a slope looks so, and numbers within it.
-        middle = math.sqrt(min(costs) * max(costs))
-        axes.set_ylim(middle / 10**0.5, middle * 10**0.5)
-    axes.yaxis.set_minor_formatter(ticker.NullFormatter())
-    axes.xaxis.set_minor_formatter(ticker.NullFormatter())
-    if len(places) < 6 and places[-1] < 100 * places[0]:
-        axes.set_xticks(places, [f"{place:,}" for place in places])
-    axes.set(xlabel=curve.axis, ylabel=f"{curve.cost}, s", title=f"{curve.axis}: exponent {slope:.2f}")
+    if math.isfinite(slopes[0]):
+        middle = math.exp(numpy.mean(numpy.log(costs)) - slopes[0] * numpy.mean(numpy.log(places)))
+        axes.loglog(places, [middle * x ** slopes[0] for x in places], ":", color="gray")
+        # A decade at least, so that what is hardly a slope looks so.
+        middle, half = math.sqrt(min(costs) * max(costs)), max(10, 1.5 * max(costs) / min(costs)) ** 0.5
+        axes.set_ylim(middle / half, middle * half)
+        ticks(axes.yaxis, axes.get_ylim())
+    ticks(axes.xaxis, places)
+    at_end = f", {slopes[1]:.2f} at the end" if len(places) > 3 else ""
+    axes.set(xlabel=curve.axis, ylabel=f"{curve.cost}, ms", title=f"{curve.axis}: exponent {slopes[0]:.2f}{at_end}")
     axes.grid(alpha=0.3)
     file = folder / f"cost-{name}.svg"
     figure.savefig(file, bbox_inches="tight", metadata={"Date": None, "Creator": None})
@@ -213,18 +230,20 @@ def main():
     for folder in (project.RESULTS, options.plots):
         folder.mkdir(parents=True, exist_ok=True)
     report = {"machine": project.machine(), "options": vars(options), "curves": {}}
-    print("| cost with | from | to | time from | to | exponent | took |\n|---|---|---|---|---|---|---|")
+    print("| cost with | from | to | time from | to | exponent | of the last three | took |\n|---|---|---|---|---|---|---|---|")
     for name, curve in known.items():
         if name not in wanted:
             continue
         start = time.perf_counter()
         places, costs, rounds = measure(name, curve, options)
         took = time.perf_counter() - start
-        slope = exponent(places, costs)
-        draw(name, curve, places, costs, slope, options.plots)
+        # What is no power in the whole may be one in the end.
+        slope, last = exponent(places, costs), exponent(places[-3:], costs[-3:])
+        draw(name, curve, places, costs, (slope, last), options.plots)
         print(f"| {curve.axis} | {places[0]:,} | {places[-1]:,} | {1e3 * costs[0]:.3g} ms | {1e3 * costs[-1]:.3g} ms | "
-              f"{slope:.2f} | {took:.0f} s |", flush=True)
-        report["curves"][name] = {"places": places, "seconds": costs, "rounds": rounds, "exponent": slope, "took": took}
+              f"{slope:.2f} | {last:.2f} | {took:.0f} s |", flush=True)
+        report["curves"][name] = {"places": places, "seconds": costs, "rounds": rounds, "exponent": slope,
+                                  "exponent_of_last_three": last, "took": took}
         (project.RESULTS / "curves.json").write_text(json.dumps(report, indent=1, default=str) + "\n")
     plots = os.path.relpath(options.plots, project.ROOT)
     print(f"\n{plots}/cost-*.svg, bench/results/curves.json\n")
