@@ -11,8 +11,8 @@ def write(folder, level):
     """Path of the scene of `level` in `folder`; it and its mesh are written if they are not there."""
     scene = pathlib.Path(folder) / f"rock-{level}.toml"
     if not scene.exists():
-        subprocess.run(["cargo", "run", "--release", "--quiet", "--package", "raggio-scene", "--example", "rock", "--", str(level),
-                        folder], check=True, cwd=ROOT)
+        program = ["cargo", "run", "--release", "--quiet", "--package", "raggio-scene", "--example", "write_rock"]
+        subprocess.run([*program, "--", str(level), folder], check=True, cwd=ROOT)
     return scene
 
 

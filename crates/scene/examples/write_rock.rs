@@ -1,7 +1,7 @@
 //! Files of the mesh that speed is measured with, for other programs.
 //!
-//! `cargo run --release -p raggio-scene --example rock -- LEVEL FOLDER` writes `rock-LEVEL.ply`, 20 * 4^LEVEL triangles and a
-//! square of two, and `rock-LEVEL.toml`, a scene with it.
+//! `cargo run --release -p raggio-scene --example write_rock -- LEVEL FOLDER` writes `rock-LEVEL.ply`, 20 * 4^LEVEL triangles
+//! and a square of two, and `rock-LEVEL.toml`, a scene with it.
 
 use std::fs;
 use std::io::{BufWriter, Write};
@@ -11,7 +11,7 @@ use raggio_scene::{Geometry, Mesh, Scene};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<_> = std::env::args().skip(1).collect();
-    let [level, folder] = &arguments[..] else { return Err("usage: rock LEVEL FOLDER".into()) };
+    let [level, folder] = &arguments[..] else { return Err("usage: write_rock LEVEL FOLDER".into()) };
     let (level, folder): (u32, _) = (level.parse()?, Path::new(folder));
     let scene = Scene::rock(level);
     let Geometry::Mesh { mesh, .. } = &scene.shapes[0].geometry else { return Err("the rock is no mesh".into()) };
