@@ -602,12 +602,18 @@ ask:
 /// Number of rays that are traced in turn: as many as hide one another's waits for memory.
 constexpr uint32_t IN_TURN = 16;
 
+/// Room for them, one for each thread whatever `Holes` are.
+RAGGIO_INLINE Way* roomForWays() {
+    static thread_local Way ways[IN_TURN];
+    return ways;
+}
+
 /// Traces `count` rays, each into its hit. `holesOf` answers for each way.
 template <class HolesOf>
 RAGGIO_INLINE void walkInTurn(
     const Traversal& all, const TracedRay* rays, TracedHit* hits, uint32_t count, const HolesOf& holesOf)
 {
-    static thread_local Way ways[IN_TURN];
+    Way* ways = roomForWays();
     Way* live[IN_TURN];
     uint32_t next = 0, left = 0;
     auto set = [&](Way& way) {

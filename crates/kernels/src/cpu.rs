@@ -344,7 +344,8 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
 
     let groups = entry.groups(work);
     // SAFETY: `globals` and `block` have the layout that slangc's reflection gives; every address in them is of a live
-    // slice, exclusively borrowed where the kernel writes; the work stays inside the slices (asserted above) and every
-    // index in the scene stays inside its buffer (checked by `CpuScene::new`).
+    // slice or of counts, exclusively borrowed where the kernel writes; the work stays inside the slices (asserted above)
+    // and every index in the scene stays inside its buffer (checked by `CpuScene::new`), but for binary nodes that were
+    // given up, which no kernel of this level reads (asserted too).
     unsafe { kernel(&groups, globals.as_ptr()) };
 }

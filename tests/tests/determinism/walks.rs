@@ -7,6 +7,7 @@ use glam::{DAffine3, DVec3};
 use raggio_kernels::cpu::{CpuScene, TracedHit, TracedRay, follow};
 use raggio_render::{CpuDevice, CpuOptions, DeviceScene, Feature, FilmPixel, InstructionSet, Walk};
 use raggio_scene::{Geometry, Integrator, Scene, Shape};
+use raggio_tests::devices::lacks;
 use raggio_tests::render::load;
 use raggio_tests::{Pcg, parse};
 
@@ -145,4 +146,32 @@ fn rays_find_the_same() {
     }
     let found = expected.expect("some level is there").iter().filter(|hit| hit.shape != u32::MAX).count();
     assert!(found > 500 && found < 4500, "{found} of the rays find something");
+}
+
+/// Binary nodes that were given up are read by no level that needs them.
+#[test]
+fn levels_without_wide_walks_are_refused_where_nodes_were_given_up() {
+    let levels = InstructionSet::available();
+    if !levels.contains(&InstructionSet::X86V3) {
+        return lacks("rays walk through nodes of eight children on processors with AVX2 alone");
+    }
+    let buffers = DeviceScene::new(&crowd()).expect("the scene fits").buffers;
+    let ray = TracedRay { origin: [0.0, 0.0, 30.0], direction: [0.0, 0.0, -1.0], key: 0, any: false };
+    for scene_level in [InstructionSet::X86V3, InstructionSet::X86V2] {
+        let mut scene = CpuScene::new(buffers.clone(), scene_level, Walk::Wide).expect("the scene is whole");
+        scene.settle();
+        for &set in &levels {
+            let followed = std::panic::catch_unwind(|| {
+                let mut hits = [TracedHit::NOTHING];
+                follow(set, &scene, &[ray], &mut hits);
+                hits[0]
+            });
+            let walks_wide = matches!(set, InstructionSet::X86V3 | InstructionSet::X86V4);
+            assert_eq!(
+                followed.is_ok(),
+                walks_wide || scene_level == InstructionSet::X86V2,
+                "{scene_level:?}, {set:?}"
+            );
+        }
+    }
 }
