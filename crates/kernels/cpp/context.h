@@ -22,6 +22,9 @@ struct Context {
     /// Columns of `Ahead` beside these; none where nothing is found ahead.
     Columns ahead;
 
+    /// What the host has counted, or null.
+    raggio::Counts* counts() const { return (raggio::Counts*)globals[COUNTS_WORD]; }
+
     explicit Context(const uint64_t* globals)
         : work((const char*)globals[WORK_WORD]), film((char*)globals[FILM_WORD]), globals(globals), paths{nullptr, 0}, ahead{nullptr, 0}
     {
@@ -53,6 +56,7 @@ struct Context {
             rays[count].any = anyBits >> i & 1;
             memcpy(&hits[count++], words + 7, sizeof hits[0]);
         });
+        if (counts()) counts()->walk.add(count);
         RAGGIO_OF_LEVEL(raggio_walk_)(globals, rays, hits, count);
         count = 0;
         each_lane(mask, [&](int i) {

@@ -5,7 +5,8 @@
 // need only be conservative, and may fuse. Among surfaces at one distance the lowest (shape, triangle) is the nearest, in
 // whatever order they are found.
 //
-// `Holes` answers whether surfaces are there that let part of the light pass: see kernels/coverage.slang.
+// `Holes` answers whether surfaces are there that let part of the light pass: see kernels/coverage.slang. It is told of each
+// node and block that a ray is tested against, for those who count them.
 #pragma once
 #include <immintrin.h>
 #include "rays.h"
@@ -75,8 +76,8 @@ struct Traversal {
     const RectangleBlock* rectangles;
     const BoxBlock* boxes;
     uint64_t root;
-    /// Not 0 where rays that come together are to be traced in turn: what they read is in no cache near by.
-    uint64_t inTurn;
+    /// Not 0 where what rays read is in no cache near by, so that it is asked for ahead.
+    uint64_t isFar;
 };
 
 // ---- Rays
@@ -174,6 +175,7 @@ RAGGIO_INLINE void intersectTriangles(
     const TriangleRecord* triangles, uint32_t first, unsigned count, const RaySetup& ray, uint32_t shape, bool hasHoles,
     const Holes& holes, TracedHit& hit)
 {
+    holes.meetsTriangles();
     const float* t0 = triangles[first].corners[0];
     const float* t1 = t0 + (count > 1 ? 12 : 0);
     const float* t2 = t0 + (count > 2 ? 24 : 0);
@@ -326,6 +328,7 @@ template <int ROWS, class Holes>
 RAGGIO_INLINE void intersectBlock(
     const Block<ROWS>& block, const float* origin, const float* direction, const Holes& holes, TracedHit& hit)
 {
+    holes.meetsShapes();
     auto all = [](const float* v) { return Vector4{_mm_set1_ps(v[0]), _mm_set1_ps(v[1]), _mm_set1_ps(v[2])}; };
     __m128 t = distances(block, all(origin), all(direction));
     unsigned met = _mm_movemask_ps(_mm_and_ps(_mm_cmple_ps(t, _mm_set1_ps(hit.distance)), _mm_cmplt_ps(t, _mm_set1_ps(INFINITE))));
@@ -469,8 +472,10 @@ RAGGIO_INLINE void walkMesh(
     Waiting* top = base;
     uint32_t reference = instance.root;
     do {
-        while (!(reference & LEAF))
+        while (!(reference & LEAF)) {
+            holes.meetsNode();
             if (!enter<ANY>(nodes + (size_t(reference) << 8), ray, hit.distance, top, reference)) goto waits;
+        }
         intersectLeaf(all.triangles, reference, instance, ray, holes, hit);
         if (ANY && hit.found()) return;
     waits:;
@@ -487,8 +492,10 @@ RAGGIO_INLINE void walk(const Traversal& all, const TracedRay& ray, const Holes&
     Waiting stack[STACK];
     Waiting* top = stack;
     do {
-        while (!(reference & LEAF))
+        while (!(reference & LEAF)) {
+            holes.meetsNode();
             if (!enter<ANY>((const char*)all.nodes + (size_t(reference) << 8), setup, hit.distance, top, reference)) goto waits;
+        }
         {
             uint32_t place = reference & PLACE;
             switch ((reference & ~LEAF) >> TRIANGLES_SHIFT) {
@@ -657,12 +664,18 @@ template <class Holes> RAGGIO_INLINE bool stepOver(const Traversal& all, Way& wa
 /// Number of rays that are traced in turn: as many as hide one another's waits for memory.
 constexpr uint32_t IN_TURN = 32;
 
+/// Room for them, one for each thread whatever `Holes` are.
+RAGGIO_INLINE Way* roomForWays() {
+    static thread_local Way ways[IN_TURN];
+    return ways;
+}
+
 /// Traces `count` rays, each into its hit. `holesOf` answers for each way.
 template <class HolesOf>
 RAGGIO_INLINE void walkInTurn(
     const Traversal& all, const TracedRay* rays, TracedHit* hits, uint32_t count, const HolesOf& holesOf)
 {
-    static thread_local Way ways[IN_TURN];
+    Way* ways = roomForWays();
     // Both lists have room for one more: each way is written to the ends of both.
     Way *inner[IN_TURN + 1], *others[IN_TURN + 1];
     uint32_t begun = 0, inners = 0, rest = 0;
@@ -673,7 +686,7 @@ RAGGIO_INLINE void walkInTurn(
         way.begin(all);
     };
     auto list = [&](Way& way) {
-        if (all.inTurn) {
+        if (all.isFar) {
             const char* place = (const char*)way.reads(all);
             for (int line = 0; line < 4; line++) _mm_prefetch(place + 64 * line, _MM_HINT_T0);
         }
@@ -693,8 +706,10 @@ RAGGIO_INLINE void walkInTurn(
         uint32_t listed = inners;
         inners = 0;
         for (uint32_t i = 0; i < listed; i++) {
-            inner[i]->enter();
-            list(*inner[i]);
+            Way& way = *inner[i];
+            holesOf(way).meetsNode();
+            way.enter();
+            list(way);
         }
         listed = rest;
         rest = 0;

@@ -114,7 +114,7 @@ public:
 
     /// Follows the rays that the first `count` paths are about to ask for, more of them in turn than one vector has. The stage
     /// that asks need not find here what it asks for.
-    RAGGIO_NOINLINE void followAhead(const uint64_t* globals, uint32_t count) {
+    RAGGIO_NOINLINE void followAhead(const uint64_t* globals, uint32_t count, raggio::Counts* counts) {
         if (!globals[TRAVERSAL_WORD]) return;
         using namespace path_columns;
         raggio::TracedRay followed[2 * CAPACITY];
@@ -136,6 +136,7 @@ public:
             bool lights = words[shadowValue][slot] > 0 || words[shadowValue + 1][slot] > 0 || words[shadowValue + 2][slot] > 0;
             follow(slot, SHADOW, lights, shadowRay, shadowKey, words[shadowDistance][slot], bits(mediaCount, slot) == 0);
         }
+        if (counts) counts->walk.add(number);
         RAGGIO_OF_LEVEL(raggio_walk_)(globals, followed, hits, number);
         for (uint32_t i = 0; i < number; i++) {
             float hit[5];
@@ -145,6 +146,19 @@ public:
     }
 
     void clear() { memset(words[path_columns::status], 0, sizeof words[0]); }
+
+    /// Counts the paths of the vector at `slot`, of which the first `count` may be under way, and their shadow rays.
+    RAGGIO_NOINLINE void count(raggio::Counts& counts, uint32_t slot, uint32_t count) const {
+        uint32_t paths = count < LANES ? count : LANES, shadows = 0;
+        for (uint32_t i = slot; i < slot + paths; i++)
+            for (uint32_t color = 0; color < 3; color++)
+                if (words[path_columns::shadowValue + color][i] > 0) {
+                    shadows++;
+                    break;
+                }
+        counts.find.add(paths);
+        counts.shadow.add(shadows);
+    }
 
     /// Brings the paths among the first `count` that go on to the front, in their order, and those that have ended behind
     /// them. Returns the number of those that go on.
@@ -211,30 +225,36 @@ static void path(const uint64_t* globals)
     Tile tile(globals);
     Samples samples(tile);
     queue.clear();
+    raggio::Counts* counts = context.counts();
     uint32_t alive = 0;
     for (;;) {
         // Behind the paths that go on, ended ones make room for new ones.
         uint32_t begun = 0;
         for (uint32_t slot = alive; slot < Queue::CAPACITY; slot += LANES) {
             alignas(64) uint32_t slots[LANES], pixels[LANES], numbers[LANES];
-            uint32_t count = Queue::CAPACITY - slot < LANES ? Queue::CAPACITY - slot : LANES;
+            uint32_t count = Queue::CAPACITY - slot < LANES ? Queue::CAPACITY - slot : LANES, before = begun;
             for (uint32_t i = 0; i < LANES; i++) {
                 slots[i] = slot + i;
                 pixels[i] = 0;
                 numbers[i] = 0xffffffffu;
                 if (i < count && samples.next(pixels[i], numbers[i])) begun++;
             }
+            if (counts) counts->renew.add(begun - before);
             renew(queue.at(context, slot), firstLanes(count), lanesOf(slots), lanesOf(pixels), lanesOf(numbers));
         }
         alive += begun;
         if (alive == 0) return;
         const Uint zero = splat(0u);
-        queue.followAhead(globals, alive);
-        for (uint32_t slot = 0; slot < alive; slot += LANES)
+        queue.followAhead(globals, alive, counts);
+        for (uint32_t slot = 0; slot < alive; slot += LANES) {
+            if (counts) queue.count(*counts, slot, alive - slot);
             find(queue.atFound(context, slot), firstLanes(alive - slot), splat(slot), zero, zero);
+        }
         uint32_t found = queue.divide(alive);
-        for (uint32_t slot = 0; slot < found; slot += LANES)
+        for (uint32_t slot = 0; slot < found; slot += LANES) {
+            if (counts) counts->shade.add(found - slot < LANES ? found - slot : LANES);
             shade(queue.at(context, slot), firstLanes(found - slot), splat(slot), zero, zero);
+        }
         alive = queue.divide(found);
     }
 }
