@@ -2,12 +2,11 @@
 
 use std::ops::{ControlFlow, Range};
 use std::path::Path;
-use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use raggio_render::{
-    Checkpoints, Denoiser, DeviceError, Display, Fingerprint, ImageFile, Observer, Phase, Picture, Progress,
-    RenderRequest, Rendered, Rendering, Stop, UNLIMITED_SAMPLES,
+    Checkpoints, Denoiser, Display, Fingerprint, ImageFile, Observer, Phase, Picture, Progress, RenderRequest,
+    Rendered, Rendering, Stop, UNLIMITED_SAMPLES,
 };
 use raggio_scene::{RenderSettings, Scene, counted, display_name};
 
@@ -44,15 +43,16 @@ pub fn run(job: Job) -> Result<(), Failure> {
     scene.warnings.iter().for_each(|warning| warn(warning));
     warn_of_left(request.checkpoints.as_ref(), &warn);
     raggio_render::check_memory(scene.render.width, scene.render.height)?;
-    let device = ready(machine.quiet, || raggio_render::open_all(&machine.device, &machine.options(), warn))?;
+    let device = raggio_render::open_all(&machine.device, &machine.options(), warn)?;
     let (stop, checkpoint) = (request.stop.clone(), request.checkpoints.as_ref().map(|kept| kept.path.clone()));
     let mut rendering = Rendering::begin(&scene, &*device, request)?;
-    ready(machine.quiet, || rendering.prepare())?;
-    let setup_seconds = start.elapsed().as_secs_f64();
     let target = Target::of(&rendering, &stop);
-    let reporter = Reporter::new(machine.quiet, progress, target.end);
+    let mut reporter = Reporter::new(machine.quiet, progress, target.end);
     reporter.say(&format!("{}, {} on {}", size_of(&scene), target.words, device.name()));
     tell_where_it_goes_on(&rendering, &reporter);
+    // A signal ends the program at once as long as there are no samples that it could lose.
+    rendering.prepare(&mut reporter)?;
+    let setup_seconds = start.elapsed().as_secs_f64();
 
     let mut listener = Listener { reporter, stopped: signals::listen(rendering.stop_flag()) };
     let rendered = rendering.run(&mut listener)?;
@@ -201,22 +201,6 @@ fn rescued(rendered: &Rendered, files: &Files, message: String) -> Failure {
     }
 }
 
-/// Makes the device ready by `prepare`, and says so where it takes a while: drivers compile kernels then.
-pub fn ready<T>(quiet: bool, prepare: impl FnOnce() -> Result<T, DeviceError>) -> Result<T, DeviceError> {
-    const A_WHILE: Duration = Duration::from_secs(1);
-    std::thread::scope(|scope| {
-        let (done, wait) = channel::<()>();
-        scope.spawn(move || {
-            if !quiet && wait.recv_timeout(A_WHILE) == Err(RecvTimeoutError::Timeout) {
-                say("compiling kernels (first time on this device)");
-            }
-        });
-        let prepared = prepare();
-        drop(done);
-        prepared
-    })
-}
-
 /// Writes a picture to all of `files`.
 ///
 /// # Errors
@@ -251,11 +235,15 @@ pub struct Listener {
 
 impl Observer for Listener {
     fn warn(&mut self, warning: &str) {
-        self.reporter.say(&format!("warning: {warning}"));
+        self.reporter.warn(warning);
     }
 
     fn begin(&mut self, phase: Phase) {
         self.reporter.begin(phase);
+    }
+
+    fn compiling(&mut self, seconds: f64) {
+        self.reporter.compiling(seconds);
     }
 
     fn saved(&mut self, checkpoint: &Path) {

@@ -16,7 +16,7 @@ use crate::files::{Files, check_apart, denoiser};
 use crate::order::{checkpoints, request, wanted};
 use crate::output::say;
 use crate::progress::{End, FramePlace, Reporter, duration};
-use crate::run::{Listener, Made, Target, override_settings, ready, size_of, tell_where_it_goes_on, warn_of_left};
+use crate::run::{Listener, Made, Target, override_settings, size_of, tell_where_it_goes_on, warn_of_left};
 use crate::signals;
 use crate::video::Video;
 
@@ -304,14 +304,14 @@ impl Job<'_> {
                 say(format_args!("warning: {warning}"));
             }
         };
-        let device = ready(machine.quiet, || raggio_render::open_all(&machine.device, &machine.options(), warn))?;
+        let device = raggio_render::open_all(&machine.device, &machine.options(), warn)?;
         let mut rendering = Rendering::begin_translated(scene, translated.clone(), &*device, self.request.clone())?;
-        ready(machine.quiet, || rendering.prepare())?;
         let target = Target::of(&rendering, &self.request.stop);
         let Some(mut reporter) = self.idle.take() else { return Ok(()) };
         reporter.set_end(target.end);
         let frames = counted(self.total, "frame");
         reporter.say(&format!("{frames} of {}, {} on {}", size_of(scene), target.words, device.name()));
+        rendering.prepare(&mut reporter)?;
         let listener = Listener { reporter, stopped: signals::listen(rendering.stop_flag()) };
         let setup_seconds = self.setup.elapsed().as_secs_f64();
         self.started = Some(Started { device, rendering, listener, target: target.samples, setup_seconds });

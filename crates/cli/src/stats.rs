@@ -24,6 +24,8 @@ impl Stats<'_> {
             "samples_per_pixel": film.sample_range().0,
             "max_depth": self.settings.max_depth,
             "setup_seconds": self.setup_seconds,
+            "compile_seconds": self.rendered.compile_seconds,
+            "compile_wait_seconds": self.rendered.compile_wait_seconds,
             "render_seconds": progress.seconds,
             "samples_per_second": progress.total_samples as f64 / seconds,
             "rays": rays,

@@ -101,6 +101,8 @@ fn the_command_line_overrides_the_scene() {
             "samples_per_pixel",
             "max_depth",
             "setup_seconds",
+            "compile_seconds",
+            "compile_wait_seconds",
             "render_seconds",
             "samples_per_second",
             "rays",

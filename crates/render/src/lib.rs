@@ -22,6 +22,7 @@ pub use devices::counted::Counted;
 pub use devices::cpu::{CpuDevice, CpuOptions};
 pub use devices::device::{Answer, Device, DeviceError, DeviceInfo, Question, Session};
 pub use devices::group::DeviceGroup;
+pub use devices::kept::cache_folder;
 pub use devices::machine::{TooLarge, check_memory, memory_bytes, peak_memory_bytes, total_memory_bytes};
 pub use devices::vulkan::VulkanDevice;
 pub use frames::{FrameRate, Frames, Pattern};

@@ -5,7 +5,8 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
 
 use raggio_kernels::MAX_NESTED_MEDIA;
 use raggio_scene::Scene;
@@ -28,6 +29,8 @@ use crate::translation::error::TranslationError;
 const MOST_FEATURE_SAMPLES: u64 = 1024;
 /// Seconds of the shortest portion before a time limit: what is shorter costs more than it brings.
 const SHORTEST_PORTION: f64 = 0.005;
+/// Time after which those who wait for kernels are told that they still do.
+const PATIENCE: Duration = Duration::from_millis(250);
 
 /// A render whose scene is on its device.
 pub struct Rendering {
@@ -39,6 +42,8 @@ pub struct Rendering {
     resumed: Option<PathBuf>,
     /// Seconds that were spent before a checkpoint was written, and until now.
     spent: f64,
+    /// Time that was spent waiting for kernels.
+    waited: Duration,
     /// Whether sampling has come to its own end.
     is_done: bool,
     /// Warnings for the observer, who is not there yet.
@@ -52,6 +57,11 @@ pub struct Rendered {
     pub picture: Picture,
     /// Progress at the end.
     pub progress: Progress,
+    /// Time in which the driver compiled kernels since the device was opened, in seconds: on several threads, and beside
+    /// other work.
+    pub compile_seconds: f64,
+    /// Part of that time that sampling had to wait, in seconds.
+    pub compile_wait_seconds: f64,
     /// Whether every pixel has all samples that were asked for.
     pub finished: bool,
     /// Error of the device that ended the render early; layers and guides are missing then.
@@ -119,6 +129,7 @@ impl Rendering {
         request: RenderRequest,
     ) -> Result<Self, RenderError> {
         check_films(scene.render.width, scene.render.height, request.films_beside(scene.render.alpha))?;
+        device.compile_ahead(&device_scene, &request.films(scene.render.alpha));
         let session = device.load(&device_scene)?;
         let mut renderer = Renderer::new(session, &device_scene, request.stop.samples(&scene.render));
         if let Some(noise) = request.stop.noise {
@@ -133,6 +144,7 @@ impl Rendering {
             keeper: None,
             resumed: None,
             spent: 0.0,
+            waited: Duration::ZERO,
             is_done: false,
             warnings: vec![],
         };
@@ -189,13 +201,31 @@ impl Rendering {
         self.renderer.samples()
     }
 
-    /// Makes ready what sampling needs. [`Rendering::run`] does so too, but whoever calls this first can tell the user why
-    /// it takes a while: drivers compile kernels.
+    /// Makes ready what sampling needs, as [`Rendering::sample`] does first: drivers compile kernels, and `observer` hears of it
+    /// where that is not over yet. The time counts for no limit.
     ///
     /// # Errors
     /// A [`DeviceError`] when the device fails.
-    pub fn prepare(&mut self) -> Result<(), DeviceError> {
-        self.renderer.session().prepare()
+    pub fn prepare(&mut self, observer: &mut dyn Observer) -> Result<(), DeviceError> {
+        let session = self.renderer.session();
+        if session.is_prepared() {
+            return session.prepare();
+        }
+        let start = Instant::now();
+        observer.begin(Phase::Compiling);
+        let prepared = std::thread::scope(|scope| {
+            let (done, wait) = channel::<()>();
+            let thread = scope.spawn(move || {
+                let _done = done;
+                session.prepare()
+            });
+            while wait.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
+                observer.compiling(start.elapsed().as_secs_f64());
+            }
+            thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        });
+        self.waited += start.elapsed();
+        prepared
     }
 
     /// Changes how many samples each pixel is to have, for [`Rendering::sample`] to go on.
@@ -293,9 +323,23 @@ impl Rendering {
         }
         let film = film.with_coverage(coverage);
         let (shapes, triangles) = (self.scene.shapes(), self.scene.triangles());
+        let compile_seconds = self.renderer.session().compile_time().as_secs_f64();
+        let compile_wait_seconds = self.waited.as_secs_f64();
         let keeper = self.keeper.take();
         let picture = self.picture(film, features);
-        Ok(Rendered { picture, progress, finished, failure, checkpoint, shapes, triangles, keeper, unsaved })
+        Ok(Rendered {
+            picture,
+            progress,
+            compile_seconds,
+            compile_wait_seconds,
+            finished,
+            failure,
+            checkpoint,
+            shapes,
+            triangles,
+            keeper,
+            unsaved,
+        })
     }
 
     /// Takes samples until there are enough, in number or by the clock, or `observer` breaks off.
@@ -304,6 +348,7 @@ impl Rendering {
     /// A [`DeviceError`] when the device fails.
     pub fn sample(&mut self, observer: &mut dyn Observer) -> Result<(), DeviceError> {
         std::mem::take(&mut self.warnings).iter().for_each(|warning| observer.warn(warning));
+        self.prepare(observer)?;
         observer.begin(Phase::Sampling);
         self.is_done = false;
         let start = Instant::now();

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::sync::Arc;
+use std::time::Duration;
 
 use raggio_kernels::{BrokenScene, EntryPoint, Feature, FilmPixel, Probe};
 use raggio_scene::Integrator;
@@ -27,6 +28,10 @@ pub trait Device: Send + Sync {
     fn vulkan(&self) -> Option<&Arc<raggio_vulkan::Device>> {
         None
     }
+
+    /// Has threads make ready what sampling the films of `features` of `scene` will take, where that takes a while: drivers
+    /// compile kernels. Returns at once, and says nothing of errors: whoever needs it hears of them.
+    fn compile_ahead(&self, _scene: &DeviceScene, _features: &[Feature]) {}
 
     /// Makes `scene` resident, with an empty film.
     ///
@@ -68,6 +73,19 @@ pub trait Session: Send {
     /// Makes ready what [`Session::add_samples`] needs, which takes a while where a driver compiles kernels.
     fn prepare(&mut self) -> Result<(), DeviceError> {
         Ok(())
+    }
+
+    /// Whether [`Session::prepare`] returns at once.
+    fn is_prepared(&self) -> bool {
+        true
+    }
+
+    /// Has threads do what [`Session::prepare`] and [`Session::display`] would do, and returns at once.
+    fn prepare_ahead(&mut self) {}
+
+    /// Time in which a driver compiled kernels since the device was opened.
+    fn compile_time(&self) -> Duration {
+        Duration::ZERO
     }
 
     /// Lets those of `blocks` rest that are marked so: their radiance takes no more samples. `None`: no block rests.
