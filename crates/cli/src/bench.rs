@@ -152,7 +152,7 @@ fn is_of(name: &str, info: &DeviceInfo) -> bool {
 /// Renders `scene` for `seconds`, once the device is ready.
 fn measure(device: &dyn Device, subject: &'static Subject, scene: &Scene, seconds: f32) -> Result<Measured, Failure> {
     let stop = Stop { time_limit: Some(seconds), ..Stop::default() };
-    let mut rendering = Rendering::begin(scene, device, RenderRequest { stop, ..RenderRequest::default() })?;
+    let rendering = Rendering::begin(scene, device, RenderRequest { stop, ..RenderRequest::default() })?;
     // Drivers compile kernels first, which is no part of their speed.
     let rendered = rendering.run(&mut |_: &Progress| ControlFlow::Continue(()))?;
     if let Some(error) = rendered.failure {

@@ -364,8 +364,8 @@ fn whole_fraction(progress: &Progress, frame: Option<FramePlace>) -> f64 {
 /// Seconds that a render has still to go, as far as its rate tells, and all frames after it.
 fn seconds_left(progress: &Progress, end: End, frame: Option<FramePlace>) -> Option<f64> {
     // Nobody knows how long it takes until the noise is low.
-    let by_fraction =
-        progress.noise.is_none().then(|| progress.seconds * (1.0 - progress.fraction) / progress.fraction.max(1e-9));
+    let is_known = progress.noise.is_none() && progress.fraction > 0.0;
+    let by_fraction = is_known.then(|| progress.seconds * (1.0 - progress.fraction) / progress.fraction);
     let by_time = end.time_limit.map(|limit| (f64::from(limit) - progress.seconds).max(0.0));
     let left = [by_fraction, by_time].into_iter().flatten().reduce(f64::min)?;
     let Some(FramePlace { done, total, mean_seconds, .. }) = frame else { return Some(left) };

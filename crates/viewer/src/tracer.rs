@@ -241,7 +241,7 @@ impl Tracer {
         let session = self.renderer.session();
         self.awaits_kernels = self.is_patient && !session.is_prepared();
         if self.awaits_kernels {
-            session.prepare_ahead();
+            session.prepare_ahead()?;
             std::thread::sleep(Duration::from_secs_f64(seconds).min(MOMENT));
             return Ok(());
         }

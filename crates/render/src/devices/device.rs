@@ -80,8 +80,11 @@ pub trait Session: Send {
         true
     }
 
-    /// Has threads do what [`Session::prepare`] and [`Session::display`] would do, and returns at once.
-    fn prepare_ahead(&mut self) {}
+    /// Begins on threads, or ends, what [`Session::prepare`] does, to be called until [`Session::is_prepared`]. Only drivers that
+    /// compile kernels no sooner than these run have it take a while.
+    fn prepare_ahead(&mut self) -> Result<(), DeviceError> {
+        Ok(())
+    }
 
     /// Time in which a driver compiled kernels since the device was opened.
     fn compile_time(&self) -> Duration {

@@ -148,8 +148,8 @@ impl Session for GroupSession {
         self.members.iter().all(|member| member.session.is_prepared())
     }
 
-    fn prepare_ahead(&mut self) {
-        self.sessions().for_each(|session| session.prepare_ahead());
+    fn prepare_ahead(&mut self) -> Result<(), DeviceError> {
+        self.sessions().try_for_each(|session| session.prepare_ahead())
     }
 
     fn compile_time(&self) -> Duration {

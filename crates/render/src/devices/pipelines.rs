@@ -1,6 +1,7 @@
 //! Pipelines that are compiled once, on any thread, and what is kept of them for the next time.
 
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -13,7 +14,10 @@ use crate::devices::kept::KeptPipelines;
 
 /// Place of a pipeline, which is compiled once: whoever needs it meanwhile waits.
 #[derive(Default)]
-pub(crate) struct Place(Mutex<State>);
+pub(crate) struct Place {
+    state: Mutex<State>,
+    has_run: AtomicBool,
+}
 
 #[derive(Default)]
 enum State {
@@ -58,9 +62,26 @@ impl Place {
         self.now().is_some_and(|state| matches!(*state, State::Empty))
     }
 
+    /// Has `run` run the pipeline, unless it has run before: some drivers compile only then.
+    ///
+    /// # Errors
+    /// That of `run`; it will be called again.
+    pub fn warm_up(&self, run: impl FnOnce() -> Result<(), DeviceError>) -> Result<(), DeviceError> {
+        if !self.has_run() {
+            run()?;
+            self.has_run.store(true, Ordering::Relaxed);
+        }
+        Ok(())
+    }
+
+    /// Whether the pipeline has run.
+    pub fn has_run(&self) -> bool {
+        self.has_run.load(Ordering::Relaxed)
+    }
+
     /// The state, unless somebody is making the pipeline.
     fn now(&self) -> Option<MutexGuard<'_, State>> {
-        match self.0.try_lock() {
+        match self.state.try_lock() {
             Ok(state) => Some(state),
             Err(TryLockError::Poisoned(state)) => Some(state.into_inner()),
             Err(TryLockError::WouldBlock) => None,
@@ -68,7 +89,7 @@ impl Place {
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

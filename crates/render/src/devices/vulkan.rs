@@ -336,16 +336,32 @@ impl Session for VulkanSession {
     }
 
     fn prepare(&mut self) -> Result<(), DeviceError> {
-        self.kernels.get(self.sampling()).map(|_| ())
+        let kernel = self.sampling();
+        let (kernels, pipeline) = (&self.kernels, self.kernels.get(kernel)?);
+        kernels.place(kernel).warm_up(|| {
+            let work = Work { rows: 0, samples: 0, ..self.work };
+            let sets = [&self.films.shown()[0].set, &self.resident.set];
+            let run = || {
+                let groups = [1; 3];
+                kernels.context.run(|passes| passes.compute(&pipeline, &sets, bytemuck::bytes_of(&work), groups))
+            };
+            Ok(kernels.store.compile(|_| run())?)
+        })
     }
 
     fn is_prepared(&self) -> bool {
-        self.kernels.place(self.sampling()).is_filled()
+        let place = self.kernels.place(self.sampling());
+        place.is_filled() && place.has_run()
     }
 
-    fn prepare_ahead(&mut self) {
+    fn prepare_ahead(&mut self) -> Result<(), DeviceError> {
+        let kernel = self.sampling();
+        if self.kernels.place(kernel).is_filled() {
+            return self.prepare();
+        }
         let display = Kernel { entry: EntryPoint::Display, constant: 0, variant: Variant::SIMPLE };
-        self.kernels.compile_ahead(&self.ahead, [self.sampling(), display]);
+        self.kernels.compile_ahead(&self.ahead, [kernel, display]);
+        Ok(())
     }
 
     fn compile_time(&self) -> Duration {
