@@ -16,7 +16,7 @@ use crate::files::Files;
 use crate::output::say;
 use crate::progress::{End, ProgressStyle, Reporter};
 use crate::signals::{self, Stopped};
-use crate::stats::Stats;
+use crate::stats::{Setup, Stats};
 
 /// A render and all that is wanted of it.
 pub struct Job<'a> {
@@ -33,6 +33,7 @@ pub struct Job<'a> {
 /// Renders, writes all files, and says how it went.
 pub fn run(job: Job) -> Result<(), Failure> {
     let Job { start, mut scene, mut request, files, denoiser, machine, overrides, progress } = job;
+    let read_seconds = Some(start.elapsed().as_secs_f64());
     override_settings(&mut scene, overrides);
     request.stop.samples = overrides.samples.map(|range| range.start..range.end);
     let warn = |warning: &str| {
@@ -43,7 +44,9 @@ pub fn run(job: Job) -> Result<(), Failure> {
     scene.warnings.iter().for_each(|warning| warn(warning));
     warn_of_left(request.checkpoints.as_ref(), &warn);
     raggio_render::check_memory(scene.render.width, scene.render.height)?;
+    let opened = Instant::now();
     let device = raggio_render::open_all(&machine.device, &machine.options(), warn)?;
+    let open_seconds = opened.elapsed().as_secs_f64();
     let (stop, checkpoint) = (request.stop.clone(), request.checkpoints.as_ref().map(|kept| kept.path.clone()));
     let mut rendering = Rendering::begin(&scene, &*device, request)?;
     let target = Target::of(&rendering, &stop);
@@ -52,7 +55,7 @@ pub fn run(job: Job) -> Result<(), Failure> {
     tell_where_it_goes_on(&rendering, &reporter);
     // A signal ends the program at once as long as there are no samples that it could lose.
     rendering.prepare(&mut reporter)?;
-    let setup_seconds = start.elapsed().as_secs_f64();
+    let setup = Setup { seconds: start.elapsed().as_secs_f64(), read_seconds, open_seconds };
 
     let mut listener = Listener { reporter, stopped: signals::listen(rendering.stop_flag()) };
     let rendered = rendering.run(&mut listener)?;
@@ -63,7 +66,7 @@ pub fn run(job: Job) -> Result<(), Failure> {
         denoiser,
         device: &device.name(),
         settings: &scene.render,
-        setup_seconds,
+        setup,
         target: target.samples,
         checkpoint: checkpoint.as_deref(),
         fingerprint: None,
@@ -123,7 +126,7 @@ pub struct Made<'a> {
     pub denoiser: Option<&'a Denoiser>,
     pub device: &'a str,
     pub settings: &'a RenderSettings,
-    pub setup_seconds: f64,
+    pub setup: Setup,
     /// Samples of each pixel that were asked for.
     pub target: u32,
     /// Path at which its checkpoint was to be.
@@ -142,7 +145,7 @@ impl Made<'_> {
         if let Some(metadata) = &mut self.rendered.picture.extras.metadata {
             metadata.fingerprint = self.fingerprint.filter(|_| !is_stopped);
         }
-        let Self { rendered, files, denoiser, device, settings, setup_seconds, target, checkpoint, .. } = &self;
+        let Self { rendered, files, denoiser, device, settings, setup, target, checkpoint, .. } = &self;
         let (picture, progress) = (&rendered.picture, &rendered.progress);
         reporter.report(&picture.film, progress, if rendered.finished { progress.samples } else { *target });
         // One thing that fails is no reason to lose the others.
@@ -156,7 +159,7 @@ impl Made<'_> {
             outcome = both(outcome, written);
         }
         if let Some(file) = &files.stats {
-            let stats = Stats { device, rendered, settings, setup_seconds: *setup_seconds };
+            let stats = Stats { device, rendered, settings, setup: *setup };
             outcome = both(outcome, stats.write(file));
         }
         if let Err(Failure::Unwritten(message)) = outcome {

@@ -18,6 +18,7 @@ use crate::output::say;
 use crate::progress::{End, FramePlace, Reporter, duration};
 use crate::run::{Listener, Made, Target, override_settings, size_of, tell_where_it_goes_on, warn_of_left};
 use crate::signals;
+use crate::stats::Setup;
 use crate::video::Video;
 
 /// Runs `raggio render --frames`.
@@ -203,7 +204,7 @@ struct Started {
     rendering: Rendering,
     listener: Listener,
     target: u32,
-    setup_seconds: f64,
+    setup: Setup,
 }
 
 impl Job<'_> {
@@ -254,13 +255,13 @@ impl Job<'_> {
         match &mut self.started {
             Some(started) => {
                 started.rendering.next_frame(scene, translated.clone(), self.request.checkpoints.clone())?;
-                started.setup_seconds = begun.elapsed().as_secs_f64();
+                started.setup = Setup { seconds: begun.elapsed().as_secs_f64(), read_seconds: None, open_seconds: 0.0 };
             }
             None => self.start(scene, translated)?,
         }
         self.stopped()?;
         let denoiser = self.denoiser.as_ref().map(|(denoiser, _)| *denoiser);
-        let Some(Started { device, rendering, listener, target, setup_seconds }) = &mut self.started else {
+        let Some(Started { device, rendering, listener, target, setup }) = &mut self.started else {
             return Ok(());
         };
         tell_where_it_goes_on(rendering, &listener.reporter);
@@ -272,7 +273,7 @@ impl Job<'_> {
             denoiser,
             device: &device.name(),
             settings: &scene.render,
-            setup_seconds: *setup_seconds,
+            setup: *setup,
             target: *target,
             checkpoint: wanted.as_deref(),
             fingerprint: Some(fingerprint),
@@ -304,7 +305,9 @@ impl Job<'_> {
                 say(format_args!("warning: {warning}"));
             }
         };
+        let opened = Instant::now();
         let device = raggio_render::open_all(&machine.device, &machine.options(), warn)?;
+        let open_seconds = opened.elapsed().as_secs_f64();
         let mut rendering = Rendering::begin_translated(scene, translated.clone(), &*device, self.request.clone())?;
         let target = Target::of(&rendering, &self.request.stop);
         let Some(mut reporter) = self.idle.take() else { return Ok(()) };
@@ -313,8 +316,8 @@ impl Job<'_> {
         reporter.say(&format!("{frames} of {}, {} on {}", size_of(scene), target.words, device.name()));
         rendering.prepare(&mut reporter)?;
         let listener = Listener { reporter, stopped: signals::listen(rendering.stop_flag()) };
-        let setup_seconds = self.setup.elapsed().as_secs_f64();
-        self.started = Some(Started { device, rendering, listener, target: target.samples, setup_seconds });
+        let setup = Setup { seconds: self.setup.elapsed().as_secs_f64(), read_seconds: None, open_seconds };
+        self.started = Some(Started { device, rendering, listener, target: target.samples, setup });
         Ok(())
     }
 

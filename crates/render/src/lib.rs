@@ -47,7 +47,7 @@ pub use raggio_kernels::{
     Comparison, Feature, FilmPixel, MAX_NESTED_MEDIA, Probe, SamplerKind, Sequence, ShapeKind, Spirv, ToneMapper, View,
 };
 pub use renderer::{NoiseProgress, Progress, Renderer};
-pub use rendering::{RenderError, Rendered, Rendering};
+pub use rendering::{Preparation, RenderError, Rendered, Rendering};
 pub use request::{Observer, Phase, RenderRequest, Stop, UNLIMITED_SAMPLES};
 pub use translation::bounds::bounds;
 pub use translation::device_scene::DeviceScene;

@@ -42,8 +42,7 @@ pub struct Rendering {
     resumed: Option<PathBuf>,
     /// Seconds that were spent before a checkpoint was written, and until now.
     spent: f64,
-    /// Time that was spent waiting for kernels.
-    waited: Duration,
+    preparation: Preparation,
     /// Whether sampling has come to its own end.
     is_done: bool,
     /// Warnings for the observer, who is not there yet.
@@ -57,11 +56,8 @@ pub struct Rendered {
     pub picture: Picture,
     /// Progress at the end.
     pub progress: Progress,
-    /// Time in which the driver compiled kernels since the device was opened, in seconds: on several threads, and beside
-    /// other work.
-    pub compile_seconds: f64,
-    /// Part of that time that sampling had to wait, in seconds.
-    pub compile_wait_seconds: f64,
+    /// Time that went by before the first sample.
+    pub preparation: Preparation,
     /// Whether every pixel has all samples that were asked for.
     pub finished: bool,
     /// Error of the device that ended the render early; layers and guides are missing then.
@@ -76,6 +72,19 @@ pub struct Rendered {
     keeper: Option<Keeper>,
     /// Label and state of the film, for who needs them after all.
     unsaved: Option<(LateLabel, SamplingState)>,
+}
+
+/// Time that goes by before the first sample of a render, in seconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Preparation {
+    /// Time in which the scene was translated to what devices read; 0 where somebody has done so before.
+    pub translate_seconds: f64,
+    /// Time in which the scene went to the device.
+    pub upload_seconds: f64,
+    /// Time in which the driver compiled kernels since the device was opened: on several threads, and beside the rest.
+    pub compile_seconds: f64,
+    /// Time for which all else waited for kernels.
+    pub compile_wait_seconds: f64,
 }
 
 /// Reasons why a render cannot begin.
@@ -114,8 +123,12 @@ impl Rendering {
     /// fails.
     pub fn begin(scene: &Scene, device: &dyn Device, request: RenderRequest) -> Result<Self, RenderError> {
         check_films(scene.render.width, scene.render.height, request.films_beside(scene.render.alpha))?;
+        let start = Instant::now();
         let device_scene = DeviceScene::new(scene)?;
-        Self::begin_translated(scene, device_scene, device, request)
+        let translate_seconds = start.elapsed().as_secs_f64();
+        let mut rendering = Self::begin_translated(scene, device_scene, device, request)?;
+        rendering.preparation.translate_seconds = translate_seconds;
+        Ok(rendering)
     }
 
     /// Begins as [`Rendering::begin`] does, with what `scene` has been translated to.
@@ -130,7 +143,9 @@ impl Rendering {
     ) -> Result<Self, RenderError> {
         check_films(scene.render.width, scene.render.height, request.films_beside(scene.render.alpha))?;
         device.compile_ahead(&device_scene, &request.films(scene.render.alpha));
+        let start = Instant::now();
         let session = device.load(&device_scene)?;
+        let upload_seconds = start.elapsed().as_secs_f64();
         let mut renderer = Renderer::new(session, &device_scene, request.stop.samples(&scene.render));
         if let Some(noise) = request.stop.noise {
             renderer.set_noise(noise.into());
@@ -144,7 +159,7 @@ impl Rendering {
             keeper: None,
             resumed: None,
             spent: 0.0,
-            waited: Duration::ZERO,
+            preparation: Preparation { upload_seconds, ..Preparation::default() },
             is_done: false,
             warnings: vec![],
         };
@@ -164,7 +179,9 @@ impl Rendering {
     ) -> Result<(), RenderError> {
         self.check_memory(scene)?;
         self.scene = device_scene;
+        let start = Instant::now();
         self.restart(scene)?;
+        self.preparation = Preparation { upload_seconds: start.elapsed().as_secs_f64(), ..Preparation::default() };
         self.request.checkpoints = checkpoints;
         self.keep_checkpoints()
     }
@@ -224,7 +241,7 @@ impl Rendering {
             }
             thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
         });
-        self.waited += start.elapsed();
+        self.preparation.compile_wait_seconds += start.elapsed().as_secs_f64();
         prepared
     }
 
@@ -323,15 +340,14 @@ impl Rendering {
         }
         let film = film.with_coverage(coverage);
         let (shapes, triangles) = (self.scene.shapes(), self.scene.triangles());
-        let compile_seconds = self.renderer.session().compile_time().as_secs_f64();
-        let compile_wait_seconds = self.waited.as_secs_f64();
+        self.preparation.compile_seconds = self.renderer.session().compile_time().as_secs_f64();
+        let preparation = self.preparation;
         let keeper = self.keeper.take();
         let picture = self.picture(film, features);
         Ok(Rendered {
             picture,
             progress,
-            compile_seconds,
-            compile_wait_seconds,
+            preparation,
             finished,
             failure,
             checkpoint,

@@ -13,29 +13,32 @@ use crate::devices::device::DeviceError;
 use crate::devices::kept::KeptPipelines;
 
 /// Place of a pipeline, which is compiled once: whoever needs it meanwhile waits.
-#[derive(Default)]
-pub(crate) struct Place {
-    state: Mutex<State>,
+pub(crate) struct Place<T = Pipeline> {
+    state: Mutex<State<T>>,
     has_run: AtomicBool,
 }
 
-#[derive(Default)]
-enum State {
-    #[default]
+enum State<T> {
     Empty,
-    Made(Arc<Pipeline>),
+    Made(Arc<T>),
     /// Error of a thread that compiled ahead, for the first who needs the pipeline.
     Failed(DeviceError),
 }
 
-impl Place {
+impl<T> Default for Place<T> {
+    fn default() -> Self {
+        Self { state: Mutex::new(State::Empty), has_run: AtomicBool::new(false) }
+    }
+}
+
+impl<T> Place<T> {
     /// The pipeline, which `make` makes if nobody has before.
     ///
     /// # Errors
     /// That of `make`, also where somebody else has called it ahead.
-    pub fn get(&self, make: impl FnOnce() -> Result<Pipeline, DeviceError>) -> Result<Arc<Pipeline>, DeviceError> {
+    pub fn get(&self, make: impl FnOnce() -> Result<T, DeviceError>) -> Result<Arc<T>, DeviceError> {
         let mut state = self.lock();
-        let pipeline = match std::mem::take(&mut *state) {
+        let pipeline = match std::mem::replace(&mut *state, State::Empty) {
             State::Made(pipeline) => pipeline,
             State::Failed(error) => return Err(error),
             State::Empty => Arc::new(make()?),
@@ -45,7 +48,7 @@ impl Place {
     }
 
     /// Makes the pipeline for whoever needs it later, unless there is one.
-    pub fn fill(&self, make: impl FnOnce() -> Result<Pipeline, DeviceError>) {
+    pub fn fill(&self, make: impl FnOnce() -> Result<T, DeviceError>) {
         let mut state = self.lock();
         if matches!(*state, State::Empty) {
             *state = make().map_or_else(State::Failed, |pipeline| State::Made(Arc::new(pipeline)));
@@ -80,7 +83,7 @@ impl Place {
     }
 
     /// The state, unless somebody is making the pipeline.
-    fn now(&self) -> Option<MutexGuard<'_, State>> {
+    fn now(&self) -> Option<MutexGuard<'_, State<T>>> {
         match self.state.try_lock() {
             Ok(state) => Some(state),
             Err(TryLockError::Poisoned(state)) => Some(state.into_inner()),
@@ -88,7 +91,7 @@ impl Place {
         }
     }
 
-    fn lock(&self) -> MutexGuard<'_, State> {
+    fn lock(&self) -> MutexGuard<'_, State<T>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -220,4 +223,108 @@ impl Drop for Ahead {
 fn finish(thread: Option<JoinHandle<()>>) {
     // A panic has been told when it happened.
     let _ = thread.map(JoinHandle::join);
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Barrier;
+    use std::sync::atomic::AtomicU32;
+
+    use super::*;
+
+    fn lost() -> DeviceError {
+        VulkanError::DeviceLost.into()
+    }
+
+    #[test]
+    fn what_many_want_is_made_once() {
+        let (place, made, start) = (Place::default(), AtomicU32::new(0), Barrier::new(8));
+        let make = || {
+            // Long enough for all of them to come meanwhile.
+            std::thread::sleep(Duration::from_millis(50));
+            Ok(made.fetch_add(1, Ordering::Relaxed))
+        };
+        std::thread::scope(|scope| {
+            for i in 0..8 {
+                let (place, start, make) = (&place, &start, &make);
+                scope.spawn(move || {
+                    start.wait();
+                    if i % 2 == 0 { place.fill(make) } else { assert_eq!(*place.get(make).expect("it is made"), 0) }
+                });
+            }
+        });
+        assert_eq!(made.into_inner(), 1);
+        assert!(place.is_filled() && !place.is_idle());
+    }
+
+    #[test]
+    fn while_it_is_made_it_is_neither_there_nor_idle() {
+        let (place, begun, goes_on) = (Place::default(), Barrier::new(2), Barrier::new(2));
+        assert!(place.is_idle() && !place.is_filled());
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                place.fill(|| {
+                    begun.wait();
+                    goes_on.wait();
+                    Ok(7)
+                });
+            });
+            begun.wait();
+            assert!(!place.is_idle() && !place.is_filled());
+            goes_on.wait();
+            assert_eq!(*place.get(|| unreachable!("it is being made")).expect("it is made"), 7);
+        });
+    }
+
+    #[test]
+    fn a_failure_ahead_is_told_once_to_who_needs_it() {
+        let place = Place::default();
+        place.fill(|| Err(lost()));
+        // Nobody tries again behind the back of who is to hear of it.
+        place.fill(|| Ok(1));
+        assert!(place.is_filled());
+        assert!(matches!(place.get(|| Ok(2)), Err(DeviceError::Vulkan(VulkanError::DeviceLost))));
+        assert!(place.get(|| Err(lost())).is_err() && place.is_idle());
+        assert_eq!(*place.get(|| Ok(3)).expect("it is made"), 3);
+    }
+
+    #[test]
+    fn what_has_failed_to_run_runs_again() {
+        let place = Place::<u32>::default();
+        assert!(place.warm_up(|| Err(lost())).is_err() && !place.has_run());
+        assert!(place.warm_up(|| Ok(())).is_ok() && place.has_run());
+        place.warm_up(|| unreachable!("it has run")).expect("nothing is done");
+    }
+
+    /// Time counts once, however many compile at once.
+    #[test]
+    fn time_is_that_in_which_anything_is_compiled() {
+        let store = Store::default();
+        let nap = Duration::from_millis(100);
+        let start = Instant::now();
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| store.compile(|_| std::thread::sleep(nap)));
+            }
+        });
+        let together = store.time();
+        assert!(together >= nap && together <= start.elapsed(), "{together:?}");
+        std::thread::sleep(nap);
+        assert_eq!(store.time(), together);
+        assert!(store.compile(|cache| cache.is_none()));
+    }
+
+    #[test]
+    fn whoever_drops_threads_waits_for_them() {
+        let (ahead, done) = (Ahead::default(), Arc::new(AtomicU32::new(0)));
+        for _ in 0..3 {
+            let done = done.clone();
+            ahead.spawn(move || {
+                std::thread::sleep(Duration::from_millis(30));
+                done.fetch_add(1, Ordering::Relaxed);
+            });
+        }
+        drop(ahead);
+        assert_eq!(done.load(Ordering::Relaxed), 3);
+    }
 }
