@@ -16,7 +16,7 @@ pub struct Device {
     pub(crate) physical: PhysicalDevice,
     // The allocator is freed by hand in `Drop`, before the device.
     allocator: ManuallyDrop<Arc<Mutex<Allocator>>>,
-    pub(crate) faults: Faults,
+    pub(crate) faults: Arc<Faults>,
     /// Limit on the bytes that a descriptor refers to, set by [`Device::pretend_small_bindings`].
     most_binding_bytes: AtomicU64,
     // Only one submission runs at a time: the lock is held while it is recorded and waited for.
@@ -33,6 +33,16 @@ pub(crate) struct Queue {
 impl Device {
     /// Opens `physical`; fails if it lacks what the kernels need.
     pub fn new(physical: &PhysicalDevice) -> Result<Arc<Self>, VulkanError> {
+        Self::open(physical, Arc::default())
+    }
+
+    /// Opens the device once more: one that was lost stays so.
+    pub fn reopen(&self) -> Result<Arc<Self>, VulkanError> {
+        self.faults.reopen()?;
+        Self::open(&self.physical, self.faults.clone())
+    }
+
+    fn open(physical: &PhysicalDevice, faults: Arc<Faults>) -> Result<Arc<Self>, VulkanError> {
         let instance = physical.instance();
         if !physical.missing.is_empty() {
             return Err(VulkanError::Unfit { name: physical.name.clone(), missing: physical.missing.join(", ") });
@@ -78,7 +88,7 @@ impl Device {
                 raw,
                 physical: physical.clone(),
                 allocator: ManuallyDrop::new(Arc::new(Mutex::new(allocator))),
-                faults: Faults::default(),
+                faults,
                 most_binding_bytes: AtomicU64::new(u64::MAX),
                 queue: Mutex::new(queue),
             })),

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::ops::Range;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use raggio_kernels::{
     BufferBytes, EntryPoint, FILM_BINDING, Feature, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, RESTING_BINDING,
@@ -32,7 +32,12 @@ const BAND_BYTES: u64 = 64 << 20;
 
 /// A GPU, or a software Vulkan driver.
 pub struct VulkanDevice {
-    kernels: Arc<Kernels>,
+    hardware: Arc<Hardware>,
+}
+
+/// A device, which is opened again where it was lost.
+struct Hardware {
+    kernels: Mutex<Arc<Kernels>>,
 }
 
 /// Device and kernels, which all sessions share.
@@ -68,40 +73,41 @@ impl VulkanDevice {
     /// # Errors
     /// A [`DeviceError::Vulkan`] when the driver refuses the kernels.
     pub fn with_kernels(context: Arc<VulkanContext>, spirv: &Spirv) -> Result<Self, DeviceError> {
-        let kernels = Kernels { context, spirv: spirv.clone(), compiled: Default::default() };
-        // Kernels that the driver refuses are refused at once, and nobody waits for them later.
-        kernels.pipeline(EntryPoint::Path, Variant::SIMPLE)?;
-        Ok(Self { kernels: Arc::new(kernels) })
+        let kernels = Kernels::new(context, spirv)?;
+        Ok(Self { hardware: Arc::new(Hardware { kernels: Mutex::new(kernels) }) })
     }
 
     /// The open device, which windows share.
-    pub fn context(&self) -> &Arc<VulkanContext> {
-        &self.kernels.context
+    pub fn context(&self) -> Arc<VulkanContext> {
+        self.hardware.kernels().context.clone()
     }
 }
 
-impl Device for VulkanDevice {
-    fn name(&self) -> String {
-        let physical = self.context().physical();
-        format!("{} (vulkan:{})", physical.name, physical.index)
+impl Hardware {
+    fn lock(&self) -> MutexGuard<'_, Arc<Kernels>> {
+        self.kernels.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn validation_messages(&self) -> Vec<String> {
-        self.context().physical().instance().validation_messages()
+    fn kernels(&self) -> Arc<Kernels> {
+        self.lock().clone()
     }
 
-    fn vulkan(&self) -> Option<&Arc<VulkanContext>> {
-        Some(self.context())
+    /// Kernels on the device that is opened again, unless somebody else has done so since `lost` were in use.
+    fn renew(&self, lost: &Arc<Kernels>) -> Result<Arc<Kernels>, DeviceError> {
+        let mut kernels = self.lock();
+        if Arc::ptr_eq(&kernels, lost) {
+            *kernels = Kernels::new(lost.context.reopen()?, &lost.spirv)?;
+        }
+        Ok(kernels.clone())
     }
 
-    fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
-        scene.buffers.check()?;
-        let kernels = self.kernels.clone();
+    fn load(self: &Arc<Self>, kernels: Arc<Kernels>, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
         let resident = kernels.upload(&scene.buffers, None)?;
         let resting = kernels.resting(&[])?;
         let films = Films::new(kernels.film(&scene.work, &resting)?);
         let (work, integrator) = (scene.work, scene.settings.integrator);
         Ok(Box::new(VulkanSession {
+            hardware: self.clone(),
             kernels,
             work,
             integrator,
@@ -114,7 +120,39 @@ impl Device for VulkanDevice {
     }
 }
 
+impl Device for VulkanDevice {
+    fn name(&self) -> String {
+        let context = self.context();
+        let physical = context.physical();
+        format!("{} (vulkan:{})", physical.name, physical.index)
+    }
+
+    fn validation_messages(&self) -> Vec<String> {
+        self.context().physical().instance().validation_messages()
+    }
+
+    fn vulkan(&self) -> Option<Arc<VulkanContext>> {
+        Some(self.context())
+    }
+
+    fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
+        scene.buffers.check()?;
+        let kernels = self.hardware.kernels();
+        match self.hardware.load(kernels.clone(), scene) {
+            Err(error) if error.is_lost() => self.hardware.load(self.hardware.renew(&kernels)?, scene),
+            loaded => loaded,
+        }
+    }
+}
+
 impl Kernels {
+    fn new(context: Arc<VulkanContext>, spirv: &Spirv) -> Result<Arc<Self>, DeviceError> {
+        let kernels = Self { context, spirv: spirv.clone(), compiled: Default::default() };
+        // Kernels that the driver refuses are refused at once, and nobody waits for them later.
+        kernels.pipeline(EntryPoint::Path, Variant::SIMPLE)?;
+        Ok(Arc::new(kernels))
+    }
+
     /// The kernels of `variant` and their layout. Layouts of variants that are not wide are one layout to Vulkan.
     fn module(&self, variant: Variant) -> Result<&Arc<Module>, DeviceError> {
         let place = &self.compiled[variant.index()].module;
@@ -252,6 +290,7 @@ struct Output {
 }
 
 struct VulkanSession {
+    hardware: Arc<Hardware>,
     kernels: Arc<Kernels>,
     work: Work,
     integrator: Integrator,
@@ -349,6 +388,24 @@ impl Session for VulkanSession {
         self.work = scene.work;
         self.integrator = scene.settings.integrator;
         Ok(())
+    }
+
+    fn revive(&mut self, scene: &DeviceScene) -> Result<String, DeviceError> {
+        let kernels = self.hardware.renew(&self.kernels)?;
+        // What was on the device before goes first, for two of each may be more than fits.
+        let resting = kernels.resting(&[])?;
+        (self.output, self.reference) = (None, None);
+        self.films = Films::new(vec![]);
+        self.resident = kernels.upload(&SceneBuffers::default(), None)?;
+        (self.kernels, self.resting) = (kernels, resting);
+        self.resident = self.kernels.upload(&scene.buffers, None)?;
+        self.films = Films::new(self.kernels.film(&scene.work, &self.resting)?);
+        (self.work, self.integrator) = (scene.work, scene.settings.integrator);
+        Ok("it was opened again".into())
+    }
+
+    fn may_be_lost(&self) -> bool {
+        true
     }
 
     fn set_reference(&mut self, reference: Option<&Image>) -> Result<(), DeviceError> {
