@@ -33,9 +33,13 @@ pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets, review
     let mut warnings = Vec::new();
     let files =
         &mut Files { folder, assets, review, troubles: HashMap::new(), warnings: Vec::new(), warned: HashSet::new() };
+    let before = review.count();
     keyframes::check(&file.camera, review, check_camera);
     let posed = keyframes::posed(&file.camera, files.assets.camera_seconds());
-    review.accept(check_camera(&posed));
+    // What is wrong at a keyframe is wrong at its moment too.
+    if review.count() == before {
+        review.accept(check_camera(&posed));
+    }
     let projection = review.accept(projection::projection(&posed));
     let environment = file.environment.as_ref().and_then(|file| review.accept(environment::environment(file, files)));
     let materials = materials::materials(&file.materials, files, &mut warnings);
