@@ -31,7 +31,7 @@ mod warnings;
 
 pub use error::{ModelError, Place};
 pub use file::{LoadOptions, MOST_BYTES, path_inside};
-pub use gltf::{GltfOptions, Resources, load_gltf, parse_gltf};
+pub use gltf::{GltfOptions, GltfSequence, Resources, load_gltf, parse_gltf};
 pub use load::{Format, load};
 pub use material::{AlphaMode, Principled, Texture, TextureFilter, Wrap};
 pub use mesh::{Dropped, Mesh, MeshFile, Part};

@@ -35,8 +35,8 @@ pub struct Model {
 
 impl Model {
     /// The model, with the files that were asked for while it was read.
-    pub(crate) fn naming(self, named: Named) -> Self {
-        let [files, missing] = [named.found, named.missing].map(|paths| paths.into_iter().collect());
+    pub(crate) fn naming(self, named: &Named) -> Self {
+        let [files, missing] = [&named.found, &named.missing].map(|paths| paths.iter().cloned().collect());
         Self { files, missing, ..self }
     }
 }

@@ -83,7 +83,7 @@ impl Imported {
     /// devices then keep what they hold of these.
     pub(super) fn sharing(mut self, earlier: &Self) -> Self {
         for (mesh, known) in self.meshes.iter_mut().zip(&earlier.meshes) {
-            if mesh == known {
+            if !Arc::ptr_eq(mesh, known) && mesh == known {
                 *mesh = known.clone();
             }
         }
