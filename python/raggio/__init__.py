@@ -29,7 +29,7 @@ from ._image import Image
 from ._materials import Environment, Material, Principled, Texture
 from ._notebook import view
 from ._render import Device, Renderer, devices, render, render_many
-from ._scene import Object, Scene, load
+from ._scene import Animation, Object, Scene, load
 from ._shapes import Box, Mesh, Plane, Rectangle, Sphere
 
 __version__: str = _raggio.__version__
@@ -41,6 +41,7 @@ if hasattr(_os, "register_at_fork"):
 
 __all__ = [
     "AOVS",
+    "Animation",
     "Box",
     "Camera",
     "DenoiseError",

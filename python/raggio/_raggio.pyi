@@ -46,7 +46,9 @@ class SceneText:
     @property
     def shapes(self) -> int: ...
     def text(self) -> str: ...
-    def check(self) -> list[str]: ...
+    def check(self, time: float | None = None) -> list[str]: ...
+    time: float | None
+    def animations(self) -> list[tuple[str, str, float, float]]: ...
     def equals(self, other: SceneText) -> bool: ...
     def get(self, path: list[str]) -> Any: ...
     def set(self, path: list[str], text: str | None, *, checked: bool = False) -> None: ...
@@ -77,6 +79,7 @@ class Session:
         *,
         name: str,
         camera: str | None,
+        time: float | None,
         size: tuple[int, int] | None,
         samples: int | None,
         seed: int | None,
@@ -97,6 +100,7 @@ class Session:
         scene: SceneText,
         *,
         camera: str | None,
+        time: float | None,
         size: tuple[int, int] | None,
         seed: int | None,
         max_depth: int | None,

@@ -14,7 +14,7 @@ from ._camera import Camera, checked_size
 from ._errors import Interrupted, SceneWarning
 from ._image import Image
 from ._progress import ProgressLike, Report, reporter
-from ._scene import Scene
+from ._scene import Scene, checked_time
 
 #: Names of layers: one, several, or "all".
 AovsLike = str | Iterable[str]
@@ -48,6 +48,7 @@ def render(
     scene: Scene,
     camera: Camera | None = None,
     *,
+    time: float | None = None,
     size: tuple[int, int] | None = None,
     samples: int | None = None,
     seed: int | None = None,
@@ -63,7 +64,8 @@ def render(
 ) -> Image:
     """Renders a picture.
 
-    ``camera`` and what is ``None`` are the scene's own. ``size`` is (width, height) in pixels. Sampling ends after
+    ``camera`` and what is ``None`` are the scene's own. ``time`` is the moment, in seconds, of animations and of the
+    camera's keyframes: that of frame F is ``(F - 1) / fps``. ``size`` is (width, height) in pixels. Sampling ends after
     ``samples`` a pixel, ``time_limit`` seconds, or where the relative error is below ``noise``, whichever comes first.
     ``max_depth`` is the most rays along a path; 0 sets no limit. ``alpha`` leaves out the background where it is seen
     directly, and makes the image (height, width, 4) with premultiplied alpha. ``device`` is "auto" (a GPU if there is
@@ -80,7 +82,7 @@ def render(
 
     Raises :class:`SceneError`, :class:`DeviceError` or :class:`DenoiseError`.
     """
-    options = _Options(size, seed, max_depth, alpha)
+    options = _Options(size, seed, max_depth, alpha, time)
     session = _session(scene, camera, options, device, threads, aovs, denoise, samples, time_limit, noise)
     with reporter(progress) as report:
         return _run(session, report)
@@ -90,6 +92,7 @@ def render_many(
     scene: Scene,
     cameras: Iterable[Camera],
     *,
+    time: float | None = None,
     size: tuple[int, int] | None = None,
     samples: int | None = None,
     seed: int | None = None,
@@ -107,7 +110,7 @@ def render_many(
     The scene stays on the device; edits of it between two pictures are seen. Parameters are those of :func:`render`,
     the time limit being that of each picture.
     """
-    options = _Options(size, seed, max_depth, alpha)
+    options = _Options(size, seed, max_depth, alpha, time)
     session: _raggio.Session | None = None
     for place, camera in enumerate(cameras):
         if session is None:
@@ -131,6 +134,7 @@ class Renderer:
         scene: Scene,
         camera: Camera | None = None,
         *,
+        time: float | None = None,
         size: tuple[int, int] | None = None,
         seed: int | None = None,
         max_depth: int | None = None,
@@ -142,7 +146,7 @@ class Renderer:
     ) -> None:
         self._scene = scene
         self._camera = camera
-        self._options = _Options(size, seed, max_depth, alpha)
+        self._options = _Options(size, seed, max_depth, alpha, time)
         self._session = _session(scene, camera, self._options, device, threads, aovs, denoise, 1, None, None)
         self._seen = scene._text.revision
         self._samples = 0
@@ -172,6 +176,16 @@ class Renderer:
     @size.setter
     def size(self, size: tuple[int, int]) -> None:
         self._options = replace(self._options, size=size)
+        self._begin()
+
+    @property
+    def time(self) -> float | None:
+        """Moment in seconds; ``None``: the scene's own. Setting another begins the picture anew."""
+        return self._options.time
+
+    @time.setter
+    def time(self, time: float | None) -> None:
+        self._options = replace(self._options, time=time)
         self._begin()
 
     @property
@@ -230,12 +244,14 @@ class _Options:
     seed: int | None
     max_depth: int | None
     alpha: bool | None
+    time: float | None
 
     def __post_init__(self) -> None:
         if self.size is not None:
             object.__setattr__(self, "size", checked_size(self.size))
         _in_range("seed", self.seed, 0, 2**32 - 1)
         _in_range("max_depth", self.max_depth, 0, 65535)
+        object.__setattr__(self, "time", checked_time(self.time))
 
     def size_for(self, camera: Camera | None) -> tuple[int, int] | None:
         return self.size if self.size is not None or camera is None else camera.size
@@ -279,12 +295,13 @@ def _session(
         raise ValueError(f'there is no layer {unknown[0]!r}: give some of {", ".join(_raggio.AOVS)}, or "all"')
     if denoise:
         _find_denoiser()
-    for warning in scene._text.check():
+    for warning in scene._text.check(options.time):
         warnings.warn(warning, SceneWarning, stacklevel=3)
     session = _raggio.Session(
         scene._text,
         name=scene._name,
         camera=_table(scene, camera),
+        time=options.time,
         size=options.size_for(camera),
         samples=samples,
         seed=options.seed,
@@ -313,6 +330,7 @@ def _look(session: _raggio.Session, scene: Scene, camera: Camera | None, options
     session.look(
         scene._text,
         camera=_table(scene, camera),
+        time=options.time,
         size=options.size_for(camera),
         seed=options.seed,
         max_depth=options.max_depth,

@@ -29,6 +29,8 @@ struct Inner {
     scene: Scene,
     ids: Vec<i32>,
     revision: u64,
+    /// Moment at which the scene was read, if it is not the scene's own.
+    time: Option<f64>,
     denoise: bool,
     warnings: Vec<String>,
 }
@@ -62,7 +64,7 @@ impl Session {
     /// Brings a scene to a device.
     #[new]
     #[pyo3(signature = (
-        scene, *, name, camera, size, samples, seed, max_depth, alpha, noise, time_limit, device, threads, aovs,
+        scene, *, name, camera, time, size, samples, seed, max_depth, alpha, noise, time_limit, device, threads, aovs,
         denoise
     ))]
     #[allow(clippy::too_many_arguments, reason = "all but one are named")]
@@ -71,6 +73,7 @@ impl Session {
         scene: &SceneText,
         name: String,
         camera: Option<String>,
+        time: Option<f64>,
         size: Option<(u32, u32)>,
         samples: Option<u32>,
         seed: Option<u32>,
@@ -99,11 +102,11 @@ impl Session {
             let warnings = warnings.into_inner().unwrap_or_else(PoisonError::into_inner);
             let device_name = device.name();
             let inner = on_threads(|| {
-                let ReadScene { scene, ids, revision } = scene.read()?;
+                let ReadScene { scene, ids, revision } = scene.read(time)?;
                 let mut scene = Scene::clone(&scene);
                 view.apply(&mut scene);
                 let rendering = Rendering::begin(&scene, &*device, request).map_err(render_error)?;
-                Ok(Inner { rendering, scene, ids, revision, denoise, warnings })
+                Ok(Inner { rendering, scene, ids, revision, time, denoise, warnings })
             })?;
             Ok(Self { process: std::process::id(), device: device_name, inner: Mutex::new(inner) })
         })
@@ -121,13 +124,14 @@ impl Session {
     }
 
     /// Begins anew with another view of `scene`, and brings what has changed of it to the device.
-    #[pyo3(signature = (scene, *, camera, size, seed, max_depth, alpha))]
+    #[pyo3(signature = (scene, *, camera, time, size, seed, max_depth, alpha))]
     #[allow(clippy::too_many_arguments, reason = "all but one are named")]
     fn look(
         &self,
         py: Python<'_>,
         scene: &SceneText,
         camera: Option<String>,
+        time: Option<f64>,
         size: Option<(u32, u32)>,
         seed: Option<u32>,
         max_depth: Option<u32>,
@@ -139,10 +143,11 @@ impl Session {
             on_threads(|| {
                 let mut inner = self.lock()?;
                 let inner = &mut *inner;
-                let ReadScene { scene, ids, revision } = scene.read()?;
-                let same = revision == inner.revision;
+                let ReadScene { scene, ids, revision } = scene.read(time)?;
+                let same = revision == inner.revision && time == inner.time;
                 if !same {
-                    (inner.scene, inner.ids, inner.revision) = (Scene::clone(&scene), ids, revision);
+                    (inner.scene, inner.ids) = (Scene::clone(&scene), ids);
+                    (inner.revision, inner.time) = (revision, time);
                 } else {
                     (inner.scene.camera, inner.scene.render) = (scene.camera.clone(), scene.render.clone());
                 }

@@ -224,6 +224,16 @@ impl Rendering {
         self.renderer.session().prepare()
     }
 
+    /// Means of the samples that there are, three floats a pixel, for CUDA on the same device, without a way through the host;
+    /// `None` where that cannot be, or the picture is more than that: without its background.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails.
+    #[cfg(target_os = "linux")]
+    pub fn means_in_cuda(&mut self) -> Result<Option<raggio_vulkan::CudaMemory>, DeviceError> {
+        if self.scene.settings.alpha { Ok(None) } else { self.renderer.session().means_in_cuda() }
+    }
+
     /// Changes how many samples each pixel is to have, for [`Rendering::sample`] to go on.
     pub fn set_target(&mut self, samples: u32) {
         self.renderer.set_target(samples);

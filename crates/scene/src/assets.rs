@@ -3,14 +3,14 @@
 mod cache;
 mod imported;
 
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use raggio_choice::endings;
 use raggio_images::{Bitmap, Image, ImageError, Limits, Problem};
-use raggio_models::{Format, GltfOptions, GltfSequence, LoadOptions, Model, ModelError, Place};
+use raggio_models::{Animation, Format, GltfOptions, GltfSequence, LoadOptions, Model, ModelError, Place};
 
 use crate::names;
 use cache::{Cache, Depends, Key};
@@ -52,6 +52,8 @@ pub struct Assets {
     sequences: HashMap<PathBuf, GltfSequence>,
     /// Times at which models were read that are equal at every time, by their paths.
     still: HashMap<PathBuf, Option<f64>>,
+    /// Whether scenes are read at one moment after another.
+    moves_on: bool,
     /// Whether files have changed that no scene was made of since.
     is_stale: bool,
 }
@@ -93,6 +95,20 @@ impl Assets {
     /// Goes to another frame of a sequence, `seconds` after the first: scenes that are read from now on are at that moment.
     pub fn set_elapsed(&mut self, seconds: f64) {
         self.options.elapsed_seconds = Some(seconds);
+        self.moves_on = true;
+    }
+
+    /// Changes the time of all animations, as [`AssetOptions::time_seconds`] has it, for scenes that are read from now on.
+    pub fn set_time(&mut self, seconds: Option<f64>) {
+        self.moves_on |= self.options.time_seconds != seconds;
+        self.options.time_seconds = seconds;
+    }
+
+    /// Animations of the models that the last scene was made of, with the canonical paths of their files, in the order of these.
+    pub fn animations(&self) -> Vec<(&Path, &Animation)> {
+        // A file that is there at more than one moment has them all at each.
+        let models: BTreeMap<_, _> = self.models.entries().collect();
+        models.into_iter().flat_map(|(path, model)| model.animations.iter().map(move |it| (path, it))).collect()
     }
 
     /// The model at `path` at the first frame of the sequence, and at the moment of the options: the same for a still.
@@ -163,7 +179,7 @@ impl Assets {
             Some(known) => *known,
             None => self.moment(time_seconds).filter(|_| format.is_animated()),
         };
-        let is_frame = self.options.elapsed_seconds.is_some() && format.is_animated();
+        let is_frame = self.moves_on && format.is_animated();
         let sequences = &mut self.sequences;
         let model = self.models.get_or_read(Key::new(path.clone(), time_seconds), |path, earlier| {
             let most_bytes = budget(LoadOptions::default().most_bytes);
@@ -178,7 +194,7 @@ impl Assets {
                 None => imported,
             })
         })?;
-        if !model.is_animated {
+        if model.animations.is_empty() {
             self.sequences.remove(&path);
             self.still.insert(path, time_seconds);
         }

@@ -197,7 +197,7 @@ fn stillness(camera: &CameraFile, shapes: &[ShapeFile], files: &mut Files<'_>) -
     let format = |mesh: &MeshFile| Format::of_path(Path::new(&mesh.file));
     let may_move = |mesh: &MeshFile| format(mesh).is_some_and(Format::is_animated);
     let AssetOptions { time_seconds, elapsed_seconds, .. } = *files.assets.options();
-    let mut moves = |mesh: &MeshFile| files.model(mesh, Vec::new()).is_ok_and(|model| model.is_animated);
+    let mut moves = |mesh: &MeshFile| files.model(mesh, Vec::new()).is_ok_and(|model| !model.animations.is_empty());
     let mut meshes = shapes.iter().enumerate().filter_map(|(index, shape)| Some((index, shape.mesh.as_ref()?)));
     if time_seconds.is_some() || elapsed_seconds.is_some() {
         let given = if elapsed_seconds.is_some() { "frames are asked for" } else { "a time is given" };

@@ -17,6 +17,8 @@ pub struct Device {
     // The allocator is freed by hand in `Drop`, before the device.
     allocator: ManuallyDrop<Arc<Mutex<Allocator>>>,
     pub(crate) faults: Arc<Faults>,
+    /// Whether memory can be handed to other interfaces.
+    exports: bool,
     /// Limit on the bytes that a descriptor refers to, set by [`Device::pretend_small_bindings`].
     most_binding_bytes: AtomicU64,
     // Only one submission runs at a time: the lock is held while it is recorded and waited for.
@@ -63,6 +65,8 @@ impl Device {
         if instance.presents {
             extensions.push(khr::swapchain::NAME);
         }
+        let exports = offered(khr::external_memory_fd::NAME);
+        extensions.push(khr::external_memory_fd::NAME);
         let extensions: Vec<_> = extensions.into_iter().filter(|name| offered(name)).map(CStr::as_ptr).collect();
         let info = vk::DeviceCreateInfo::default()
             .queue_create_infos(&queues)
@@ -89,6 +93,7 @@ impl Device {
                 physical: physical.clone(),
                 allocator: ManuallyDrop::new(Arc::new(Mutex::new(allocator))),
                 faults,
+                exports,
                 most_binding_bytes: AtomicU64::new(u64::MAX),
                 queue: Mutex::new(queue),
             })),
@@ -110,6 +115,11 @@ impl Device {
         u64::from(self.physical.limits.max_storage_buffer_range)
             .min(self.physical.max_buffer_size)
             .min(self.most_binding_bytes.load(Ordering::Relaxed))
+    }
+
+    /// Whether memory can be handed to other interfaces.
+    pub fn exports_memory(&self) -> bool {
+        self.exports
     }
 
     /// Whether kernels can reach buffers by address.

@@ -40,7 +40,7 @@ use crate::error::{Fault, ModelError};
 use crate::file::{LoadOptions, MOST_BYTES, read};
 use crate::inside::Named;
 use crate::load::in_groups;
-use crate::model::{Material, Model};
+use crate::model::{Animation, Material, Model};
 use crate::text::{counted, escaped};
 use asset::Asset;
 use fault::{Budget, Warnings};
@@ -178,6 +178,7 @@ struct Opened<'a> {
     /// All nodes, parents first.
     order: Vec<(usize, Option<usize>)>,
     roots: Vec<usize>,
+    animations: Vec<Animation>,
     /// Memory that each model may ask for.
     budget: Budget,
     /// Materials with their images, and the warnings of these, once there has been a model.
@@ -195,12 +196,13 @@ impl<'a> Opened<'a> {
         let order = validate::roots_first(&asset.document.nodes)?;
         let roots = nodes::roots(&asset.document, options.scene, &order)?;
         let budget = asset.budget.clone();
-        Ok(Self { asset, order, roots, budget, materials: None, still: StillMeshes::default() })
+        let animations = animation::listed(&asset);
+        Ok(Self { asset, order, roots, animations, budget, materials: None, still: StillMeshes::default() })
     }
 
     fn into_owned(self) -> Opened<'static> {
-        let Self { asset, order, roots, budget, materials, still } = self;
-        Opened { asset: asset.into_owned(), order, roots, budget, materials, still }
+        let Self { asset, order, roots, animations, budget, materials, still } = self;
+        Opened { asset: asset.into_owned(), order, roots, animations, budget, materials, still }
     }
 
     /// The model at a moment.
@@ -214,7 +216,7 @@ impl<'a> Opened<'a> {
     }
 
     fn model(&mut self, time: Option<f64>, resources: &dyn Resources, options: &GltfOptions) -> Result<Model, Fault> {
-        let Self { asset, order, roots, materials, still, .. } = self;
+        let Self { asset, order, roots, animations, materials, still, .. } = self;
         let mut pose = Pose::at_rest(asset)?;
         match time {
             Some(seconds) => animation::apply(asset, seconds, &mut pose)?,
@@ -238,7 +240,7 @@ impl<'a> Opened<'a> {
         };
         asset.warnings.repeat(warnings);
         model.materials = known.clone();
-        model.is_animated = !asset.document.animations.is_empty();
+        model.animations = animations.clone();
         Ok(model)
     }
 }

@@ -109,6 +109,13 @@ pub trait Session: Send {
     /// The film as it is now.
     fn film(&self) -> Result<Film, DeviceError>;
 
+    /// Means of the film of radiance, three floats a pixel, for CUDA on the same device; `None` where that cannot be without a
+    /// way through the host.
+    #[cfg(target_os = "linux")]
+    fn means_in_cuda(&self) -> Result<Option<raggio_vulkan::CudaMemory>, DeviceError> {
+        Ok(None)
+    }
+
     /// Evaluates one function of the kernels for many arguments: see `Probe` in `kernels/entry/probe.slang`.
     fn ask(&mut self, probe: Probe, questions: &[Question]) -> Result<Vec<Answer>, DeviceError>;
 

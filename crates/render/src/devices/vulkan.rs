@@ -10,6 +10,8 @@ use raggio_kernels::{
     SCENE_BINDINGS, SCENE_SET, SPIRV, SceneBuffers, Spirv, Variant, Work,
 };
 use raggio_scene::Integrator;
+#[cfg(target_os = "linux")]
+use raggio_vulkan::{CudaMemory, ExportedBuffer};
 use raggio_vulkan::{
     BindingSet, Buffer, Device as VulkanContext, Location, Module, PhysicalDevice, Pipeline, SetLayout, VulkanError,
 };
@@ -21,6 +23,14 @@ use crate::pictures::display::{Display, Pixels, reference_pixels};
 use crate::pictures::film::Film;
 use crate::pictures::linear_image::Image;
 use crate::translation::device_scene::DeviceScene;
+
+#[cfg(target_os = "linux")]
+const _: () = {
+    assert!(size_of::<FilmPixel>() as u64 == raggio_vulkan::SUM_BYTES);
+    assert!(std::mem::offset_of!(FilmPixel, samples) as u64 == raggio_vulkan::SAMPLES_OFFSET);
+    assert!(std::mem::offset_of!(FilmPixel, red) == 0 && std::mem::offset_of!(FilmPixel, green) == 12);
+    assert!(std::mem::offset_of!(FilmPixel, blue) == 24);
+};
 
 // `raggio devices` calls a device fit by this number.
 const _: () = assert!(SCENE_BINDINGS.len() + 4 <= raggio_vulkan::STORAGE_BUFFERS as usize);
@@ -452,6 +462,23 @@ impl Session for VulkanSession {
             pixels.extend(bytemuck::allocation::pod_collect_to_vec::<u8, FilmPixel>(&band.film.read()?));
         }
         Ok(Film::from_pixels(self.work.width, self.work.height, pixels))
+    }
+
+    #[cfg(target_os = "linux")]
+    fn means_in_cuda(&self) -> Result<Option<CudaMemory>, DeviceError> {
+        let context = &self.kernels.context;
+        if !context.exports_memory() || self.films.feature() != Feature::Radiance || !CudaMemory::knows(context) {
+            return Ok(None);
+        }
+        let bands = self.films.shown();
+        let bytes = bands.iter().map(|band| band.film.size()).sum();
+        let exported = ExportedBuffer::new(context, "a film for CUDA", bytes)?;
+        let mut place = 0;
+        for band in bands {
+            exported.copy_from(&band.film, place)?;
+            place += band.film.size();
+        }
+        Ok(Some(CudaMemory::means_of(&exported)?))
     }
 
     fn ask(&mut self, probe: Probe, questions: &[Question]) -> Result<Vec<Answer>, DeviceError> {
