@@ -11,6 +11,7 @@ from typing import Any, NoReturn
 
 from . import _raggio, _toml
 from ._camera import Camera, checked_size
+from ._cuda import CudaArray, check_cuda, to_cuda
 from ._errors import Interrupted, SceneWarning
 from ._image import Image
 from ._progress import ProgressLike, Report, reporter
@@ -60,6 +61,7 @@ def render(
     denoise: bool = False,
     time_limit: float | None = None,
     noise: float | None = None,
+    cuda: bool = False,
     progress: ProgressLike = None,
 ) -> Image:
     """Renders a picture.
@@ -73,6 +75,9 @@ def render(
     the CPU; ``threads`` are those of the CPU. ``aovs`` are layers: :data:`AOVS` has their names, "all" stands for all.
     ``denoise`` removes noise by Intel Open Image Denoise (``pip install pyoidn``).
 
+    ``cuda`` has the picture in CUDA's memory, too, for :meth:`Image.cuda`: on a GPU that Vulkan and CUDA have in common it never
+    leaves that, unless it is denoised or has alpha.
+
     ``progress`` is a function of the part that is done, the samples and the seconds; ``True``: a bar by tqdm;
     ``None``: a bar on terminals and in notebooks, where tqdm is installed; ``False``: nothing.
 
@@ -83,9 +88,11 @@ def render(
     Raises :class:`SceneError`, :class:`DeviceError` or :class:`DenoiseError`.
     """
     options = _Options(size, seed, max_depth, alpha, time)
+    if cuda:
+        check_cuda()
     session = _session(scene, camera, options, device, threads, aovs, denoise, samples, time_limit, noise)
     with reporter(progress) as report:
-        return _run(session, report)
+        return _run(session, report, cuda)
 
 
 def render_many(
@@ -104,6 +111,7 @@ def render_many(
     denoise: bool = False,
     time_limit: float | None = None,
     noise: float | None = None,
+    cuda: bool = False,
 ) -> Iterator[tuple[int, Image]]:
     """Renders a scene from many cameras, one after another: yields the camera's place and the picture.
 
@@ -111,13 +119,15 @@ def render_many(
     the time limit being that of each picture.
     """
     options = _Options(size, seed, max_depth, alpha, time)
+    if cuda:
+        check_cuda()
     session: _raggio.Session | None = None
     for place, camera in enumerate(cameras):
         if session is None:
             session = _session(scene, camera, options, device, threads, aovs, denoise, samples, time_limit, noise)
         else:
             _look(session, scene, camera, options)
-        yield place, _run(session, None)
+        yield place, _run(session, None, cuda)
 
 
 class Renderer:
@@ -225,6 +235,16 @@ class Renderer:
         if ended is not None:
             _raise(ended, image)
         return image
+
+    def cuda(self) -> CudaArray:
+        """The picture as it is now in the memory of a device of CUDA, float32 (height, width, 3), as :meth:`Image.cuda` has it.
+
+        On a GPU that Vulkan and CUDA have in common nothing goes through the CPU, unless the picture is denoised or has alpha.
+        """
+        check_cuda()
+        if self._samples == 0 or self._scene._text.revision != self._seen:
+            self.step(1)
+        return self._session.cuda() or self.image.cuda()
 
     def _begin(self) -> None:
         self._seen = self._scene._text.revision
@@ -338,10 +358,10 @@ def _look(session: _raggio.Session, scene: Scene, camera: Camera | None, options
     )
 
 
-def _run(session: _raggio.Session, report: Report | None) -> Image:
+def _run(session: _raggio.Session, report: Report | None, cuda: bool) -> Image:
     ended = session.sample(report)
     # What is over is not to be stopped again.
-    image, later = _developed(session, report if ended is None else None)
+    image, later = _developed(session, report if ended is None else None, cuda and ended is None)
     _warn(session)
     ended = ended if ended is not None else later
     if ended is not None:
@@ -349,9 +369,14 @@ def _run(session: _raggio.Session, report: Report | None) -> Image:
     return image
 
 
-def _developed(session: _raggio.Session, report: Report | None) -> tuple[Image, BaseException | None]:
+def _developed(
+    session: _raggio.Session, report: Report | None, cuda: bool = False
+) -> tuple[Image, BaseException | None]:
     developed, ended = session.develop(report)
-    return Image(developed, session.device), ended
+    array = None
+    if cuda and ended is None:
+        array = session.cuda() or to_cuda(developed["pixels"], 0)
+    return Image(developed, session.device, array), ended
 
 
 def _warn(session: _raggio.Session) -> None:

@@ -9,6 +9,8 @@ use pyo3::types::PyDict;
 use raggio_render::{Aov, Denoiser, Observer, Progress, RenderRequest, Rendering, Stop};
 use raggio_scene::{Camera, Scene};
 
+#[cfg(target_os = "linux")]
+use crate::cuda::CudaArray;
 use crate::errors::{denoise_error, device_error, guarded, render_error};
 use crate::host::{self, on_threads};
 use crate::picture::Developed;
@@ -178,6 +180,22 @@ impl Session {
             Ok(listener.stopped.or(done.map_err(device_error).err()))
         })?;
         Ok(ended.map(|error| error.into_value(py).into_any()))
+    }
+
+    /// The picture of the samples that there are in the memory of CUDA's device, which is this one; `None` where it would have
+    /// to go through the host.
+    #[cfg(target_os = "linux")]
+    fn cuda(&self, py: Python<'_>) -> PyResult<Option<CudaArray>> {
+        guarded(py, || {
+            let mut inner = self.lock()?;
+            let Inner { rendering, scene, denoise, .. } = &mut *inner;
+            if *denoise {
+                return Ok(None);
+            }
+            let shape = [scene.render.height as usize, scene.render.width as usize, 3];
+            let means = rendering.means_in_cuda().map_err(device_error)?;
+            Ok(means.map(|means| CudaArray::new(means, shape)))
+        })
     }
 
     /// The picture of the samples that there are, as a dictionary, and what has ended its making early.

@@ -222,11 +222,7 @@ impl Driver {
     }
 
     /// Does `work` in the primary context of a device.
-    fn within<T>(
-        &self,
-        ordinal: u32,
-        work: impl FnOnce(Context) -> Result<T, VulkanError>,
-    ) -> Result<T, VulkanError> {
+    fn within<T>(&self, ordinal: u32, work: impl FnOnce(Context) -> Result<T, VulkanError>) -> Result<T, VulkanError> {
         let mut contexts = self.contexts.lock().unwrap_or_else(PoisonError::into_inner);
         let known = contexts.get(&ordinal).copied();
         let raw = match known {

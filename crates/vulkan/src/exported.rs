@@ -30,8 +30,7 @@ impl ExportedBuffer {
         // SAFETY: the device is alive; `raw` is destroyed in `Drop`.
         let raw = unsafe { device.raw.create_buffer(&info, None) }.during("vkCreateBuffer")?;
         // From here on `Drop` cleans up; no memory is a null handle, which Vulkan lets be freed.
-        let mut buffer =
-            Self { raw, memory: vk::DeviceMemory::null(), size, allocated: 0, device: device.clone() };
+        let mut buffer = Self { raw, memory: vk::DeviceMemory::null(), size, allocated: 0, device: device.clone() };
 
         // SAFETY: `raw` was just created from this device, which came from this instance.
         let (requirements, properties) = unsafe {
@@ -76,8 +75,7 @@ impl ExportedBuffer {
 
     /// Handle by which another interface gets at the memory; it owns a share of it.
     pub(crate) fn handle(&self) -> Result<OwnedFd, VulkanError> {
-        let loader =
-            khr::external_memory_fd::Device::new(&self.device.physical.instance().raw, &self.device.raw);
+        let loader = khr::external_memory_fd::Device::new(&self.device.physical.instance().raw, &self.device.raw);
         let info = vk::MemoryGetFdInfoKHR::default()
             .memory(self.memory)
             .handle_type(vk::ExternalMemoryHandleTypeFlags::OPAQUE_FD);

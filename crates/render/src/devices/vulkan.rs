@@ -10,11 +10,11 @@ use raggio_kernels::{
     SCENE_BINDINGS, SCENE_SET, SPIRV, SceneBuffers, Spirv, Variant, Work,
 };
 use raggio_scene::Integrator;
-#[cfg(target_os = "linux")]
-use raggio_vulkan::{CudaMemory, ExportedBuffer};
 use raggio_vulkan::{
     BindingSet, Buffer, Device as VulkanContext, Location, Module, PhysicalDevice, Pipeline, SetLayout, VulkanError,
 };
+#[cfg(target_os = "linux")]
+use raggio_vulkan::{CudaMemory, ExportedBuffer};
 
 use crate::devices::adaptive::Blocks;
 use crate::devices::device::{Answer, Device, DeviceError, Question, Session, sampling};
