@@ -39,15 +39,11 @@ impl Device for DeviceGroup {
 
     fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
         let sessions = at_once(&self.devices, |device| device.load(scene))?;
-        let members = sessions.into_iter().zip(&self.devices);
-        let new = |(session, device): (_, &Box<dyn Device>)| Member {
-            name: device.name(),
-            session,
-            rate: None,
-            has_failed: false,
-            failures: 0,
-        };
-        let members = members.map(new).collect();
+        let members = sessions.into_iter().zip(&self.devices).map(|(session, device)| {
+            let name = device.name();
+            Member { name, session, rate: None, has_failed: false, failures: 0 }
+        });
+        let members = members.collect();
         let (width, height) = (scene.work.width, scene.work.height);
         Ok(Box::new(GroupSession { members, width, height, feature: Feature::Radiance, broken: None }))
     }
