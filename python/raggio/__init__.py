@@ -15,6 +15,7 @@ import os as _os
 
 from . import _raggio, datasets
 from ._camera import Camera, Intrinsics
+from ._cuda import CudaArray
 from ._errors import (
     DenoiseError,
     DeviceError,
@@ -44,6 +45,7 @@ __all__ = [
     "Animation",
     "Box",
     "Camera",
+    "CudaArray",
     "DenoiseError",
     "Device",
     "DeviceError",

@@ -11,7 +11,7 @@ from . import _raggio
 from ._errors import DeviceError
 
 if TYPE_CHECKING:
-    from ._raggio import CudaArray
+    from ._raggio import CudaArray as CudaArray
 else:
     #: Memory of a device of CUDA, as DLPack and the CUDA array interface have it.
     CudaArray = getattr(_raggio, "CudaArray", object)

@@ -10,17 +10,20 @@ from ._types import Developed
 
 __all__ = [
     "AOVS",
+    "CudaArray",
     "Metadata",
     "SceneText",
     "Session",
     "TONE_MAPPERS",
     "__version__",
     "check_camera",
+    "cuda_devices",
     "devices",
     "encode_png",
     "forget_after_fork",
     "main",
     "panic_for_tests",
+    "to_cuda",
     "tonemap",
     "write_image",
 ]
