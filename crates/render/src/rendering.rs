@@ -386,8 +386,8 @@ impl Rendering {
     /// Reads the film at the end of sampling, and keeps it in a checkpoint where there is to be one, until its files are
     /// written. Where the film is lost, it is the one that was gathered last.
     fn end(&mut self, has_failed: bool, observer: &mut dyn Observer) -> Result<End, DeviceError> {
-        let (gathered, is_lost) = match self.gather() {
-            Ok(gathered) => (gathered, false),
+        let (gathered, is_lost) = match self.read() {
+            Ok(gathered) => (Arc::new(gathered), false),
             Err(error) if has_failed => (self.safety.gathered().ok_or(error)?, true),
             Err(error) => return Err(error),
         };

@@ -56,7 +56,7 @@ pub struct PhysicalDevice {
     /// Kind of processor behind the device.
     pub kind: DeviceKind,
     /// UUID of the device, which other interfaces have too.
-    pub(crate) uuid: [u8; 16],
+    pub uuid: [u8; 16],
     /// Bytes of the device's own memory.
     pub memory_bytes: u64,
     /// Whether kernels can reach buffers by address, and so more of them than `max_storage_buffer_range`.

@@ -1,6 +1,6 @@
 //! Locks by which one render alone keeps a checkpoint.
 
-use std::fs::{File, Metadata, TryLockError};
+use std::fs::{File, TryLockError};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
@@ -73,7 +73,7 @@ fn owner(file: &mut File) -> String {
 #[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
-    let identity = |metadata: Metadata| (metadata.dev(), metadata.ino());
+    let identity = |metadata: std::fs::Metadata| (metadata.dev(), metadata.ino());
     let named = path.symlink_metadata().map(identity);
     matches!((file.metadata().map(identity), named), (Ok(ours), Ok(named)) if ours == named)
 }

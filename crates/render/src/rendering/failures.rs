@@ -75,16 +75,21 @@ impl Rendering {
         Ok(())
     }
 
-    /// The film as it is now, which stays in safety if the device may be lost.
-    pub(super) fn gather(&mut self) -> Result<Arc<Gathered>, DeviceError> {
+    /// The film as it is now.
+    pub(super) fn read(&mut self) -> Result<Gathered, DeviceError> {
         if self.safety.is_lost {
             return Err(DeviceError::Host("the device was lost, and its film with it".into()));
         }
-        let start = Instant::now();
         let mut gathered = self.renderer.gather()?;
         gathered.notes = self.metadata.notes();
         gathered.state.spent = self.spent;
-        let gathered = Arc::new(gathered);
+        Ok(gathered)
+    }
+
+    /// The film as it is now, which stays in safety if the device may be lost.
+    fn gather(&mut self) -> Result<Arc<Gathered>, DeviceError> {
+        let start = Instant::now();
+        let gathered = Arc::new(self.read()?);
         if self.renderer.session().may_be_lost() {
             self.safety.film = Some(gathered.clone());
             self.safety.last = Some((Instant::now(), start.elapsed().as_secs_f64()));
