@@ -31,8 +31,8 @@ class Image:
     ``np.asarray(image)`` is float32 (height, width, 3), linear Rec. 709, row 0 on top, without a copy. Rendered with
     ``alpha=True`` it is (height, width, 4) with premultiplied alpha: over a background of linear radiance the picture
     is ``pixels[..., :3] + (1 - pixels[..., 3:]) * background``. ``numpy.from_dlpack`` and other consumers of DLPack
-    share the memory too; :meth:`cuda` has it in the memory of CUDA's devices. ``image["depth"]`` is a layer: float32 (height, width) or (height, width, 3), or int32
-    (height, width) for numbers, where 0 is nothing.
+    share the memory too; :meth:`cuda` has it in the memory of CUDA's devices. ``image["depth"]`` is a layer: float32
+    (height, width) or (height, width, 3), or int32 (height, width) for numbers, where 0 is nothing.
     """
 
     __slots__ = ("_channels", "_cuda", "_layers", "_metadata", "_pixels", "_facts")

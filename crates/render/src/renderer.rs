@@ -231,7 +231,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Begins anew after a failure of the device with `scene`, the same as before: from `gathered`, or from the first sample.
+    /// Begins anew after a failure of the device with `scene`, which has not changed: from `gathered`, or from the first sample.
     /// Returns what has been done about the failure, in words.
     ///
     /// # Errors

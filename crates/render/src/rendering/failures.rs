@@ -108,7 +108,7 @@ impl Rendering {
         }
     }
 
-    /// Goes back after `error` to the film that was gathered last, on the device opened again, for the same samples once more.
+    /// Goes back after `error` to the film that was gathered last, on the device opened again: what it has lost is sampled once more.
     ///
     /// # Errors
     /// `error` where the film can still be read, the device stays lost, or this has happened too often.
