@@ -6,7 +6,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use raggio_render::{
-    Checkpoints, Denoiser, DeviceError, Display, Fingerprint, ImageFile, Observer, Phase, Picture, Progress,
+    Checkpoints, Denoiser, Device, DeviceError, Display, Fingerprint, ImageFile, Observer, Phase, Picture, Progress,
     RenderRequest, Rendered, Rendering, Stop, UNLIMITED_SAMPLES,
 };
 use raggio_scene::{RenderSettings, Scene, counted, display_name};
@@ -36,15 +36,11 @@ pub fn run(job: Job) -> Result<(), Failure> {
     let Job { start, mut scene, mut request, files, denoiser, machine, overrides, progress } = job;
     override_settings(&mut scene, overrides);
     request.stop.samples = overrides.samples.map(|range| range.start..range.end);
-    let warn = |warning: &str| {
-        if !machine.quiet {
-            say(format_args!("warning: {warning}"));
-        }
-    };
+    let warn = warnings(machine.quiet);
     scene.warnings.iter().for_each(|warning| warn(warning));
     warn_of_left(request.checkpoints.as_ref(), &warn);
     raggio_render::check_memory(scene.render.width, scene.render.height)?;
-    let device = ready(machine.quiet, || raggio_render::open_all(&machine.device, &machine.options(), warn))?;
+    let device = open(machine)?;
     let (stop, checkpoint) = (request.stop.clone(), request.checkpoints.as_ref().map(|kept| kept.path.clone()));
     let mut rendering = Rendering::begin(&scene, &*device, request)?;
     ready(machine.quiet, || rendering.prepare())?;
@@ -71,6 +67,21 @@ pub fn run(job: Job) -> Result<(), Failure> {
     made.conclude(&mut listener)?;
     listener.reporter.done();
     Ok(())
+}
+
+/// Teller of warnings, unless all is to be quiet.
+fn warnings(quiet: bool) -> impl Fn(&str) {
+    move |warning| {
+        if !quiet {
+            say(format_args!("warning: {warning}"));
+        }
+    }
+}
+
+/// Opens the device that is asked for.
+pub fn open(machine: &MachineArguments) -> Result<Box<dyn Device>, DeviceError> {
+    let warn = warnings(machine.quiet);
+    ready(machine.quiet, || raggio_render::open_all(&machine.device, &machine.options(), warn))
 }
 
 /// Warns of a checkpoint that is there though nobody wants to go on from it.

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::ops::Range;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use raggio_kernels::{
     BufferBytes, EntryPoint, FILM_BINDING, Feature, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, RESTING_BINDING,
@@ -13,6 +13,8 @@ use raggio_scene::Integrator;
 use raggio_vulkan::{
     BindingSet, Buffer, Device as VulkanContext, Location, Module, PhysicalDevice, Pipeline, SetLayout, VulkanError,
 };
+#[cfg(target_os = "linux")]
+use raggio_vulkan::{CudaMemory, ExportedBuffer};
 
 use crate::devices::adaptive::Blocks;
 use crate::devices::device::{Answer, Device, DeviceError, Question, Session, sampling};
@@ -21,6 +23,14 @@ use crate::pictures::display::{Display, Pixels, reference_pixels};
 use crate::pictures::film::Film;
 use crate::pictures::linear_image::Image;
 use crate::translation::device_scene::DeviceScene;
+
+#[cfg(target_os = "linux")]
+const _: () = {
+    assert!(size_of::<FilmPixel>() as u64 == raggio_vulkan::SUM_BYTES);
+    assert!(std::mem::offset_of!(FilmPixel, samples) as u64 == raggio_vulkan::SAMPLES_OFFSET);
+    assert!(std::mem::offset_of!(FilmPixel, red) == 0 && std::mem::offset_of!(FilmPixel, green) == 12);
+    assert!(std::mem::offset_of!(FilmPixel, blue) == 24);
+};
 
 // `raggio devices` calls a device fit by this number.
 const _: () = assert!(SCENE_BINDINGS.len() + 4 <= raggio_vulkan::STORAGE_BUFFERS as usize);
@@ -32,7 +42,12 @@ const BAND_BYTES: u64 = 64 << 20;
 
 /// A GPU, or a software Vulkan driver.
 pub struct VulkanDevice {
-    kernels: Arc<Kernels>,
+    hardware: Arc<Hardware>,
+}
+
+/// A device, which is opened again where it was lost.
+struct Hardware {
+    kernels: Mutex<Arc<Kernels>>,
 }
 
 /// Device and kernels, which all sessions share.
@@ -68,40 +83,41 @@ impl VulkanDevice {
     /// # Errors
     /// A [`DeviceError::Vulkan`] when the driver refuses the kernels.
     pub fn with_kernels(context: Arc<VulkanContext>, spirv: &Spirv) -> Result<Self, DeviceError> {
-        let kernels = Kernels { context, spirv: spirv.clone(), compiled: Default::default() };
-        // Kernels that the driver refuses are refused at once, and nobody waits for them later.
-        kernels.pipeline(EntryPoint::Path, Variant::SIMPLE)?;
-        Ok(Self { kernels: Arc::new(kernels) })
+        let kernels = Kernels::new(context, spirv)?;
+        Ok(Self { hardware: Arc::new(Hardware { kernels: Mutex::new(kernels) }) })
     }
 
     /// The open device, which windows share.
-    pub fn context(&self) -> &Arc<VulkanContext> {
-        &self.kernels.context
+    pub fn context(&self) -> Arc<VulkanContext> {
+        self.hardware.kernels().context.clone()
     }
 }
 
-impl Device for VulkanDevice {
-    fn name(&self) -> String {
-        let physical = self.context().physical();
-        format!("{} (vulkan:{})", physical.name, physical.index)
+impl Hardware {
+    fn lock(&self) -> MutexGuard<'_, Arc<Kernels>> {
+        self.kernels.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn validation_messages(&self) -> Vec<String> {
-        self.context().physical().instance().validation_messages()
+    fn kernels(&self) -> Arc<Kernels> {
+        self.lock().clone()
     }
 
-    fn vulkan(&self) -> Option<&Arc<VulkanContext>> {
-        Some(self.context())
+    /// Kernels on the device that is opened again, unless somebody else has done so since `lost` were in use.
+    fn renew(&self, lost: &Arc<Kernels>) -> Result<Arc<Kernels>, DeviceError> {
+        let mut kernels = self.lock();
+        if Arc::ptr_eq(&kernels, lost) {
+            *kernels = Kernels::new(lost.context.reopen()?, &lost.spirv)?;
+        }
+        Ok(kernels.clone())
     }
 
-    fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
-        scene.buffers.check()?;
-        let kernels = self.kernels.clone();
+    fn load(self: &Arc<Self>, kernels: Arc<Kernels>, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
         let resident = kernels.upload(&scene.buffers, None)?;
         let resting = kernels.resting(&[])?;
         let films = Films::new(kernels.film(&scene.work, &resting)?);
         let (work, integrator) = (scene.work, scene.settings.integrator);
         Ok(Box::new(VulkanSession {
+            hardware: self.clone(),
             kernels,
             work,
             integrator,
@@ -114,7 +130,39 @@ impl Device for VulkanDevice {
     }
 }
 
+impl Device for VulkanDevice {
+    fn name(&self) -> String {
+        let context = self.context();
+        let physical = context.physical();
+        format!("{} (vulkan:{})", physical.name, physical.index)
+    }
+
+    fn validation_messages(&self) -> Vec<String> {
+        self.context().physical().instance().validation_messages()
+    }
+
+    fn vulkan(&self) -> Option<Arc<VulkanContext>> {
+        Some(self.context())
+    }
+
+    fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
+        scene.buffers.check()?;
+        let kernels = self.hardware.kernels();
+        match self.hardware.load(kernels.clone(), scene) {
+            Err(error) if error.is_lost() => self.hardware.load(self.hardware.renew(&kernels)?, scene),
+            loaded => loaded,
+        }
+    }
+}
+
 impl Kernels {
+    fn new(context: Arc<VulkanContext>, spirv: &Spirv) -> Result<Arc<Self>, DeviceError> {
+        let kernels = Self { context, spirv: spirv.clone(), compiled: Default::default() };
+        // Kernels that the driver refuses are refused at once, and nobody waits for them later.
+        kernels.pipeline(EntryPoint::Path, Variant::SIMPLE)?;
+        Ok(Arc::new(kernels))
+    }
+
     /// The kernels of `variant` and their layout. Layouts of variants that are not wide are one layout to Vulkan.
     fn module(&self, variant: Variant) -> Result<&Arc<Module>, DeviceError> {
         let place = &self.compiled[variant.index()].module;
@@ -252,6 +300,7 @@ struct Output {
 }
 
 struct VulkanSession {
+    hardware: Arc<Hardware>,
     kernels: Arc<Kernels>,
     work: Work,
     integrator: Integrator,
@@ -334,10 +383,6 @@ impl Session for VulkanSession {
         Ok(())
     }
 
-    fn settle(&mut self) {
-        self.resident.scene.mesh_nodes = Arc::default();
-    }
-
     fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
         scene.buffers.check_after(&self.resident.scene)?;
         self.resident = self.kernels.upload(&scene.buffers, Some(&self.resident))?;
@@ -353,6 +398,24 @@ impl Session for VulkanSession {
         self.work = scene.work;
         self.integrator = scene.settings.integrator;
         Ok(())
+    }
+
+    fn revive(&mut self, scene: &DeviceScene) -> Result<String, DeviceError> {
+        let kernels = self.hardware.renew(&self.kernels)?;
+        // What was on the device before goes first, for two of each may be more than fits.
+        let resting = kernels.resting(&[])?;
+        (self.output, self.reference) = (None, None);
+        self.films = Films::new(vec![]);
+        self.resident = kernels.upload(&SceneBuffers::default(), None)?;
+        (self.kernels, self.resting) = (kernels, resting);
+        self.resident = self.kernels.upload(&scene.buffers, None)?;
+        self.films = Films::new(self.kernels.film(&scene.work, &self.resting)?);
+        (self.work, self.integrator) = (scene.work, scene.settings.integrator);
+        Ok("it was opened again".into())
+    }
+
+    fn may_be_lost(&self) -> bool {
+        true
     }
 
     fn set_reference(&mut self, reference: Option<&Image>) -> Result<(), DeviceError> {
@@ -399,6 +462,23 @@ impl Session for VulkanSession {
             pixels.extend(bytemuck::allocation::pod_collect_to_vec::<u8, FilmPixel>(&band.film.read()?));
         }
         Ok(Film::from_pixels(self.work.width, self.work.height, pixels))
+    }
+
+    #[cfg(target_os = "linux")]
+    fn means_in_cuda(&self) -> Result<Option<CudaMemory>, DeviceError> {
+        let context = &self.kernels.context;
+        if !context.exports_memory() || self.films.feature() != Feature::Radiance || !CudaMemory::knows(context) {
+            return Ok(None);
+        }
+        let bands = self.films.shown();
+        let bytes = bands.iter().map(|band| band.film.size()).sum();
+        let exported = ExportedBuffer::new(context, "a film for CUDA", bytes)?;
+        let mut place = 0;
+        for band in bands {
+            exported.copy_from(&band.film, place)?;
+            place += band.film.size();
+        }
+        Ok(Some(CudaMemory::means_of(&exported)?))
     }
 
     fn ask(&mut self, probe: Probe, questions: &[Question]) -> Result<Vec<Answer>, DeviceError> {
