@@ -15,6 +15,7 @@ import os as _os
 
 from . import _raggio, datasets
 from ._camera import Camera, Intrinsics
+from ._cuda import CudaArray
 from ._errors import (
     DenoiseError,
     DeviceError,
@@ -29,7 +30,7 @@ from ._image import Image
 from ._materials import Environment, Material, Principled, Texture
 from ._notebook import view
 from ._render import Device, Renderer, devices, render, render_many
-from ._scene import Object, Scene, load
+from ._scene import Animation, Object, Scene, load
 from ._shapes import Box, Mesh, Plane, Rectangle, Sphere
 
 __version__: str = _raggio.__version__
@@ -41,8 +42,10 @@ if hasattr(_os, "register_at_fork"):
 
 __all__ = [
     "AOVS",
+    "Animation",
     "Box",
     "Camera",
+    "CudaArray",
     "DenoiseError",
     "Device",
     "DeviceError",

@@ -30,6 +30,10 @@ def meshes(of: Any, *, smooth: bool) -> Iterator[Found]:
         yield *_trimesh(of, smooth), np.eye(4)
     elif hasattr(of, "vertices") and hasattr(of, "triangles"):
         yield _open3d(of, smooth), None, np.eye(4)
+    elif hasattr(of, "vertex") and hasattr(of, "triangle"):
+        yield _open3d_tensors(of, smooth), None, np.eye(4)
+    elif hasattr(of, "combine") and hasattr(of, "n_blocks"):
+        yield _pyvista(of.combine(), smooth), None, np.eye(4)
     elif hasattr(of, "points") and (hasattr(of, "faces") or hasattr(of, "extract_surface")):
         yield _pyvista(of, smooth), None, np.eye(4)
     else:
@@ -111,24 +115,55 @@ def _picture(image: Any) -> npt.NDArray[np.uint8] | None:
 
 
 def _open3d(mesh: Any, smooth: bool) -> Mesh:
-    vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.triangles)
-
     def has(what: str) -> bool:
         return hasattr(mesh, f"has_{what}") and bool(getattr(mesh, f"has_{what}")())
 
     normals = np.asarray(mesh.vertex_normals) if has("vertex_normals") else None
-    # open3d's colours are what it shows: sRGB, from 0 to 1.
-    colors = np.rint(255 * np.asarray(mesh.vertex_colors)).astype(np.uint8) if has("vertex_colors") else None
+    colors = _shown(np.asarray(mesh.vertex_colors)) if has("vertex_colors") else None
+    return _smoothed(Mesh(np.asarray(mesh.vertices), np.asarray(mesh.triangles), normals=normals, colors=colors), smooth)
+
+
+def _open3d_tensors(mesh: Any, smooth: bool) -> Mesh:
+    """A mesh of ``open3d.t``, whose tensors may be on a GPU."""
+
+    def array(tensors: Any, name: str) -> npt.NDArray[Any] | None:
+        return tensors[name].cpu().numpy() if name in tensors else None
+
+    vertices, faces = array(mesh.vertex, "positions"), array(mesh.triangle, "indices")
+    if vertices is None or faces is None:
+        raise TypeError("this mesh of open3d has no positions or no triangles")
+    colors = array(mesh.vertex, "colors")
+    normals, colors = array(mesh.vertex, "normals"), None if colors is None else _shown(colors)
     return _smoothed(Mesh(vertices, faces, normals=normals, colors=colors), smooth)
+
+
+def _shown(colors: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
+    """open3d's colours, which are what it shows, in bytes of sRGB; those that are none are from 0 to 1."""
+    return colors if colors.dtype == np.uint8 else np.rint(255 * np.clip(colors, 0, 1)).astype(np.uint8)
+
+
+#: Names under which pyvista's readers leave colours of points.
+_COLORS = ("RGBA", "RGB", "rgba", "rgb")
 
 
 def _pyvista(mesh: Any, smooth: bool) -> Mesh:
     if not hasattr(mesh, "faces"):
-        mesh = mesh.extract_surface()
+        mesh = _surface(mesh)
     if not getattr(mesh, "is_all_triangles", False):
         mesh = mesh.triangulate()
     faces = np.asarray(mesh.faces).reshape(-1, 4)[:, 1:]
     data = getattr(mesh, "point_data", {})
-    normals = np.asarray(data["Normals"]) if "Normals" in data else None
+    # pyvista shows meshes flat unless it is told otherwise, and has normals of those, too: its box has eight.
+    normals = np.asarray(data["Normals"]) if smooth and "Normals" in data else None
     uvs = getattr(mesh, "active_texture_coordinates", None)
-    return _smoothed(Mesh(mesh.points, faces, normals=normals, uvs=uvs), smooth)
+    found = (np.asarray(data[name]) for name in _COLORS if name in data)
+    colors = next((colors for colors in found if colors.dtype == np.uint8 and colors.ndim == 2), None)
+    return _smoothed(Mesh(mesh.points, faces, normals=normals, uvs=uvs, colors=colors), smooth)
+
+
+def _surface(mesh: Any) -> Any:
+    try:
+        # Newer versions warn of a default that will change.
+        return mesh.extract_surface(algorithm="dataset_surface")
+    except TypeError:
+        return mesh.extract_surface()

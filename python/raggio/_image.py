@@ -10,10 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _raggio
+from ._cuda import CudaArray, to_cuda
 from ._types import Developed
 
 Floats = npt.NDArray[np.float32]
 Layer = npt.NDArray[np.float32] | npt.NDArray[np.int32]
+#: Kind of CUDA's devices, as DLPack has it.
+_CUDA = 2
 ToneMapper = Literal["neutral", "agx", "aces", "filmic", "reinhard", "none"]
 
 
@@ -28,13 +31,14 @@ class Image:
     ``np.asarray(image)`` is float32 (height, width, 3), linear Rec. 709, row 0 on top, without a copy. Rendered with
     ``alpha=True`` it is (height, width, 4) with premultiplied alpha: over a background of linear radiance the picture
     is ``pixels[..., :3] + (1 - pixels[..., 3:]) * background``. ``numpy.from_dlpack`` and other consumers of DLPack
-    share the memory too. ``image["depth"]`` is a layer: float32 (height, width) or (height, width, 3), or int32
-    (height, width) for numbers, where 0 is nothing.
+    share the memory too; :meth:`cuda` has it in the memory of CUDA's devices. ``image["depth"]`` is a layer: float32
+    (height, width) or (height, width, 3), or int32 (height, width) for numbers, where 0 is nothing.
     """
 
-    __slots__ = ("_channels", "_layers", "_metadata", "_pixels", "_facts")
+    __slots__ = ("_channels", "_cuda", "_layers", "_metadata", "_pixels", "_facts")
 
-    def __init__(self, developed: Developed, device: str) -> None:
+    def __init__(self, developed: Developed, device: str, cuda: CudaArray | None = None) -> None:
+        self._cuda = cuda
         self._pixels: Floats = developed["pixels"]
         self._metadata = developed["metadata"]
         self._facts = (developed["samples"], developed["seconds"], developed["finished"], developed["rays"], device)
@@ -134,13 +138,31 @@ class Image:
         return self._pixels.__array_interface__
 
     def __dlpack__(self, **options: Any) -> Any:
-        """The picture as a DLPack capsule, in the memory of the CPU."""
+        """The picture as a DLPack capsule: in the memory of the CPU, or that of ``dl_device=(2, n)``, a device of CUDA."""
+        device = options.get("dl_device")
+        if device is not None and int(device[0]) == _CUDA:
+            if options.get("copy") is False and self._cuda is None:
+                raise BufferError("the picture is in the memory of the CPU: on a device of CUDA it takes a copy")
+            return self.cuda(int(device[1])).__dlpack__(stream=options.get("stream"))
         return self._pixels.__dlpack__(**options)
 
     def __dlpack_device__(self) -> tuple[int, int]:
         """The CPU, as DLPack calls it."""
         kind, number = self._pixels.__dlpack_device__()
         return (int(kind), int(number))
+
+    def cuda(self, device: int | None = None) -> CudaArray:
+        """The picture in the memory of a device of CUDA: float32, of this image's shape.
+
+        ``torch.as_tensor(image.cuda(), device="cuda")``, ``cupy.asarray(image.cuda())`` and ``torch.from_dlpack(image.cuda())``
+        share that memory. It is there already where the picture was rendered with ``cuda=True``, unless ``device``, CUDA's
+        number, is another; otherwise it is copied there, to device 0 if none is given.
+
+        Raises :class:`DeviceError` where there is no such device.
+        """
+        if self._cuda is not None and device in (None, self._cuda.device):
+            return self._cuda
+        return to_cuda(self._pixels, device or 0)
 
     def tonemap(self, *, tone_mapper: ToneMapper = "neutral", exposure: float = 0.0) -> npt.NDArray[np.uint8]:
         """The picture as a display shows it: sRGB bytes (height, width, 3).

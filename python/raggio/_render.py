@@ -11,10 +11,11 @@ from typing import Any, NoReturn
 
 from . import _raggio, _toml
 from ._camera import Camera, checked_size
+from ._cuda import CudaArray, check_cuda, to_cuda
 from ._errors import Interrupted, SceneWarning
 from ._image import Image
 from ._progress import ProgressLike, Report, reporter
-from ._scene import Scene
+from ._scene import Scene, checked_time
 
 #: Names of layers: one, several, or "all".
 AovsLike = str | Iterable[str]
@@ -48,6 +49,7 @@ def render(
     scene: Scene,
     camera: Camera | None = None,
     *,
+    time: float | None = None,
     size: tuple[int, int] | None = None,
     samples: int | None = None,
     seed: int | None = None,
@@ -59,17 +61,22 @@ def render(
     denoise: bool = False,
     time_limit: float | None = None,
     noise: float | None = None,
+    cuda: bool = False,
     progress: ProgressLike = None,
 ) -> Image:
     """Renders a picture.
 
-    ``camera`` and what is ``None`` are the scene's own. ``size`` is (width, height) in pixels. Sampling ends after
+    ``camera`` and what is ``None`` are the scene's own. ``time`` is the moment, in seconds, of animations and of the
+    camera's keyframes: that of frame F is ``(F - 1) / fps``. ``size`` is (width, height) in pixels. Sampling ends after
     ``samples`` a pixel, ``time_limit`` seconds, or where the relative error is below ``noise``, whichever comes first.
     ``max_depth`` is the most rays along a path; 0 sets no limit. ``alpha`` leaves out the background where it is seen
     directly, and makes the image (height, width, 4) with premultiplied alpha. ``device`` is "auto" (a GPU if there is
     one), "cpu", "vulkan" or "vulkan:N"; several separated by commas share the picture, as does "all", every GPU with
     the CPU; ``threads`` are those of the CPU. ``aovs`` are layers: :data:`AOVS` has their names, "all" stands for all.
     ``denoise`` removes noise by Intel Open Image Denoise (``pip install pyoidn``).
+
+    ``cuda`` has the picture in CUDA's memory, too, for :meth:`Image.cuda`: on a GPU that Vulkan and CUDA have in common it never
+    leaves that, unless it is denoised or has alpha.
 
     ``progress`` is a function of the part that is done, the samples and the seconds; ``True``: a bar by tqdm;
     ``None``: a bar on terminals and in notebooks, where tqdm is installed; ``False``: nothing.
@@ -80,16 +87,19 @@ def render(
 
     Raises :class:`SceneError`, :class:`DeviceError` or :class:`DenoiseError`.
     """
-    options = _Options(size, seed, max_depth, alpha)
+    options = _Options(size, seed, max_depth, alpha, time)
+    if cuda:
+        check_cuda()
     session = _session(scene, camera, options, device, threads, aovs, denoise, samples, time_limit, noise)
     with reporter(progress) as report:
-        return _run(session, report)
+        return _run(session, report, cuda)
 
 
 def render_many(
     scene: Scene,
     cameras: Iterable[Camera],
     *,
+    time: float | None = None,
     size: tuple[int, int] | None = None,
     samples: int | None = None,
     seed: int | None = None,
@@ -101,20 +111,23 @@ def render_many(
     denoise: bool = False,
     time_limit: float | None = None,
     noise: float | None = None,
+    cuda: bool = False,
 ) -> Iterator[tuple[int, Image]]:
     """Renders a scene from many cameras, one after another: yields the camera's place and the picture.
 
     The scene stays on the device; edits of it between two pictures are seen. Parameters are those of :func:`render`,
     the time limit being that of each picture.
     """
-    options = _Options(size, seed, max_depth, alpha)
+    options = _Options(size, seed, max_depth, alpha, time)
+    if cuda:
+        check_cuda()
     session: _raggio.Session | None = None
     for place, camera in enumerate(cameras):
         if session is None:
             session = _session(scene, camera, options, device, threads, aovs, denoise, samples, time_limit, noise)
         else:
             _look(session, scene, camera, options)
-        yield place, _run(session, None)
+        yield place, _run(session, None, cuda)
 
 
 class Renderer:
@@ -131,6 +144,7 @@ class Renderer:
         scene: Scene,
         camera: Camera | None = None,
         *,
+        time: float | None = None,
         size: tuple[int, int] | None = None,
         seed: int | None = None,
         max_depth: int | None = None,
@@ -142,7 +156,7 @@ class Renderer:
     ) -> None:
         self._scene = scene
         self._camera = camera
-        self._options = _Options(size, seed, max_depth, alpha)
+        self._options = _Options(size, seed, max_depth, alpha, time)
         self._session = _session(scene, camera, self._options, device, threads, aovs, denoise, 1, None, None)
         self._seen = scene._text.revision
         self._samples = 0
@@ -172,6 +186,16 @@ class Renderer:
     @size.setter
     def size(self, size: tuple[int, int]) -> None:
         self._options = replace(self._options, size=size)
+        self._begin()
+
+    @property
+    def time(self) -> float | None:
+        """Moment in seconds; ``None``: the scene's own. Setting another begins the picture anew."""
+        return self._options.time
+
+    @time.setter
+    def time(self, time: float | None) -> None:
+        self._options = replace(self._options, time=time)
         self._begin()
 
     @property
@@ -212,6 +236,16 @@ class Renderer:
             _raise(ended, image)
         return image
 
+    def cuda(self) -> CudaArray:
+        """The picture as it is now in the memory of a device of CUDA, float32 (height, width, 3), as :meth:`Image.cuda` has it.
+
+        On a GPU that Vulkan and CUDA have in common nothing goes through the CPU, unless the picture is denoised or has alpha.
+        """
+        check_cuda()
+        if self._samples == 0 or self._scene._text.revision != self._seen:
+            self.step(1)
+        return self._session.cuda() or self.image.cuda()
+
     def _begin(self) -> None:
         self._seen = self._scene._text.revision
         self._samples = 0
@@ -230,12 +264,14 @@ class _Options:
     seed: int | None
     max_depth: int | None
     alpha: bool | None
+    time: float | None
 
     def __post_init__(self) -> None:
         if self.size is not None:
             object.__setattr__(self, "size", checked_size(self.size))
         _in_range("seed", self.seed, 0, 2**32 - 1)
         _in_range("max_depth", self.max_depth, 0, 65535)
+        object.__setattr__(self, "time", checked_time(self.time))
 
     def size_for(self, camera: Camera | None) -> tuple[int, int] | None:
         return self.size if self.size is not None or camera is None else camera.size
@@ -279,12 +315,13 @@ def _session(
         raise ValueError(f'there is no layer {unknown[0]!r}: give some of {", ".join(_raggio.AOVS)}, or "all"')
     if denoise:
         _find_denoiser()
-    for warning in scene._text.check():
+    for warning in scene._text.check(options.time):
         warnings.warn(warning, SceneWarning, stacklevel=3)
     session = _raggio.Session(
         scene._text,
         name=scene._name,
         camera=_table(scene, camera),
+        time=options.time,
         size=options.size_for(camera),
         samples=samples,
         seed=options.seed,
@@ -313,6 +350,7 @@ def _look(session: _raggio.Session, scene: Scene, camera: Camera | None, options
     session.look(
         scene._text,
         camera=_table(scene, camera),
+        time=options.time,
         size=options.size_for(camera),
         seed=options.seed,
         max_depth=options.max_depth,
@@ -320,10 +358,10 @@ def _look(session: _raggio.Session, scene: Scene, camera: Camera | None, options
     )
 
 
-def _run(session: _raggio.Session, report: Report | None) -> Image:
+def _run(session: _raggio.Session, report: Report | None, cuda: bool) -> Image:
     ended = session.sample(report)
     # What is over is not to be stopped again.
-    image, later = _developed(session, report if ended is None else None)
+    image, later = _developed(session, report if ended is None else None, cuda and ended is None)
     _warn(session)
     ended = ended if ended is not None else later
     if ended is not None:
@@ -331,9 +369,14 @@ def _run(session: _raggio.Session, report: Report | None) -> Image:
     return image
 
 
-def _developed(session: _raggio.Session, report: Report | None) -> tuple[Image, BaseException | None]:
+def _developed(
+    session: _raggio.Session, report: Report | None, cuda: bool = False
+) -> tuple[Image, BaseException | None]:
     developed, ended = session.develop(report)
-    return Image(developed, session.device), ended
+    array = None
+    if cuda and ended is None:
+        array = session.cuda() or to_cuda(developed["pixels"], 0)
+    return Image(developed, session.device, array), ended
 
 
 def _warn(session: _raggio.Session) -> None:

@@ -254,6 +254,27 @@ class Scene:
         self._text.set(["render", "width"], str(width))
         self._text.set(["render", "height"], str(height))
 
+    @property
+    def time(self) -> float | None:
+        """Moment, in seconds, of animations and of the camera's keyframes, which renders without a camera of their own follow.
+
+        ``None``: at the time that each model has in the scene's file, or at rest, and the camera at 0. Frame F is the moment
+        ``(F - 1) / fps``. ``raggio.render(scene, time=...)`` is at another without changing this one.
+        """
+        return self._text.time
+
+    @time.setter
+    def time(self, time: float | None) -> None:
+        self._text.time = checked_time(time)
+
+    @property
+    def animations(self) -> tuple[Animation, ...]:
+        """Animations of the scene's models, and that of the camera if it has keyframes: all move together."""
+        of_models = (Animation(name, start, end, Path(file)) for file, name, start, end in self._text.animations())
+        times = [keyframe["time"] for keyframe in (self._text.get(["camera"]) or {}).get("keyframes", ())]
+        of_camera = [Animation("camera", float(times[0]), float(times[-1]), None)] if len(times) > 1 else []
+        return (*of_camera, *of_models)
+
     # ---- As a whole
 
     def to_toml(self) -> str:
@@ -299,6 +320,27 @@ class Scene:
         return f"<raggio.Scene {self._name!r}: {shapes} shape{plural}, {len(self.materials)} materials>"
 
 
+@dataclass(frozen=True)
+class Animation:
+    """Something that moves in a scene."""
+
+    #: Name that its file gives it; "camera" for the camera's keyframes.
+    name: str
+    #: Moment of the first keyframe in seconds; before it everything rests.
+    start: float
+    #: Moment of the last keyframe in seconds; after it everything rests.
+    end: float
+    #: Model that has it; ``None`` for the camera.
+    file: Path | None
+
+
+def checked_time(time: float | None) -> float | None:
+    """A moment that is none of those that are no number, or before the beginning."""
+    if time is not None and not 0 <= time < float("inf"):
+        raise ValueError(f"time is {time}: give seconds, 0 or more")
+    return None if time is None else float(time)
+
+
 class _Materials(MutableMapping[str, AnyMaterial]):
     """Materials of a scene by their names."""
 
@@ -340,19 +382,19 @@ def load(
     path: str | os.PathLike[str],
     *,
     camera: str | int | None = None,
-    time_seconds: float | None = None,
+    time: float | None = None,
     allow_outside: bool = False,
 ) -> Scene:
     """Reads a scene (``.toml``) or a model (glTF, GLB, PLY, OBJ, STL), which gets a camera, a ground and a sky.
 
-    ``camera`` chooses one of a model's cameras by its name, or its number from 1 on. ``time_seconds`` is the moment of
-    animations and of the camera's keyframes, which renders without a camera of their own follow. ``allow_outside`` lets models name files outside their own folder.
+    ``camera`` chooses one of a model's cameras by its name, or its number from 1 on. ``time`` is the scene's :attr:`~Scene.time`.
+    ``allow_outside`` lets models name files outside their own folder.
 
     Raises :class:`SceneError` where the file cannot be read, with the place and all that is wrong.
     """
     chosen = None if camera is None else str(camera)
     text, told = _raggio.SceneText.load(
-        os.fspath(path), allow_outside=allow_outside, time_seconds=time_seconds, camera=chosen
+        os.fspath(path), allow_outside=allow_outside, time_seconds=checked_time(time), camera=chosen
     )
     for warning in told:
         warnings.warn(warning, SceneWarning, stacklevel=2)

@@ -305,6 +305,54 @@ def test_objects_of_other_libraries(kind) -> None:
         np.testing.assert_allclose(image["albedo"][4, 4], [1, 0, 0], atol=1e-3)
 
 
+def seen(mesh: object, **options: object) -> rg.Image:
+    scene = lit()
+    scene.add(mesh, **options)
+    return render(scene, FRONT, size=(33, 33), samples=16, aovs=("albedo", "depth", "normal"))
+
+
+def test_open3d() -> None:
+    open3d = pytest.importorskip("open3d", reason="open3d is not installed")
+    ball = open3d.geometry.TriangleMesh.create_sphere(1.0, resolution=20)
+    flat, smooth = seen(ball), seen(ball, smooth=True)
+    np.testing.assert_allclose(flat["depth"][16, 16], 3, atol=0.01)
+    assert (flat["depth"] == smooth["depth"]).all() and (flat["normal"] != smooth["normal"]).any()
+    ball.compute_vertex_normals()
+    ball.paint_uniform_color([1, 0, 0])
+    red = seen(ball)
+    np.testing.assert_allclose(red["albedo"][16, 16], [1, 0, 0], atol=1e-3)
+    np.testing.assert_allclose(red["normal"], smooth["normal"], atol=0.05)
+    # Those of tensors are the same mesh.
+    tensors = seen(open3d.t.geometry.TriangleMesh.from_legacy(ball))
+    for layer in ("albedo", "depth", "normal"):
+        np.testing.assert_allclose(tensors[layer], red[layer], atol=1e-5)
+    points = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(np.zeros((3, 3))))
+    with pytest.raises(TypeError, match="PointCloud is no mesh"):
+        lit().add(points)
+
+
+def test_pyvista() -> None:
+    pyvista = pytest.importorskip("pyvista", reason="pyvista is not installed")
+    # As pyvista shows it, a box is flat though it has normals at its corners.
+    box = pyvista.Cube(x_length=2, y_length=2, z_length=2)
+    image = seen(box)
+    np.testing.assert_allclose(image["depth"][8:25, 8:25], 3, atol=1e-4)
+    np.testing.assert_allclose(image["normal"][10:23, 10:23], np.broadcast_to([0, 0, 1], (13, 13, 3)), atol=1e-3)
+    ball = pyvista.Sphere(radius=1.0)
+    assert (seen(ball)["normal"] != seen(ball, smooth=True)["normal"]).any()
+    # Grids show their surface, and several meshes are one.
+    grid = pyvista.ImageData(dimensions=(3, 3, 3), spacing=(1, 1, 1), origin=(-1, -1, -1))
+    pair = pyvista.MultiBlock([box, pyvista.Cube(center=(30, 0, 0))])
+    for same in (grid, grid.cast_to_unstructured_grid(), pair, box.triangulate().strip()):
+        np.testing.assert_allclose(seen(same)["depth"], image["depth"], atol=1e-4)
+    # Colours, under the names that its readers give them.
+    ball.point_data["RGB"] = np.tile(np.array([255, 0, 0], dtype=np.uint8), (ball.n_points, 1))
+    np.testing.assert_allclose(seen(ball)["albedo"][16, 16], [1, 0, 0], atol=1e-3)
+    for nothing in (pyvista.PolyData(np.zeros((3, 3))), pyvista.Line()):
+        with pytest.raises(rg.SceneError, match="there are no triangles"):
+            lit().add(nothing)
+
+
 def test_trimesh() -> None:
     trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
     ball = trimesh.creation.icosphere(subdivisions=3)

@@ -5,8 +5,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use raggio_render::{
-    Checkpoints, Denoiser, Display, Fingerprint, ImageFile, Observer, Phase, Picture, Progress, RenderRequest,
-    Rendered, Rendering, Stop, UNLIMITED_SAMPLES,
+    Checkpoints, Denoiser, Device, DeviceError, Display, Fingerprint, ImageFile, Observer, Phase, Picture, Progress,
+    RenderRequest, Rendered, Rendering, Stop, UNLIMITED_SAMPLES,
 };
 use raggio_scene::{RenderSettings, Scene, counted, display_name};
 
@@ -36,16 +36,12 @@ pub fn run(job: Job) -> Result<(), Failure> {
     let read_seconds = Some(start.elapsed().as_secs_f64());
     override_settings(&mut scene, overrides);
     request.stop.samples = overrides.samples.map(|range| range.start..range.end);
-    let warn = |warning: &str| {
-        if !machine.quiet {
-            say(format_args!("warning: {warning}"));
-        }
-    };
+    let warn = warnings(machine.quiet);
     scene.warnings.iter().for_each(|warning| warn(warning));
     warn_of_left(request.checkpoints.as_ref(), &warn);
     raggio_render::check_memory(scene.render.width, scene.render.height)?;
     let opened = Instant::now();
-    let device = raggio_render::open_all(&machine.device, &machine.options(), warn)?;
+    let device = open(machine)?;
     let open_seconds = opened.elapsed().as_secs_f64();
     let (stop, checkpoint) = (request.stop.clone(), request.checkpoints.as_ref().map(|kept| kept.path.clone()));
     let mut rendering = Rendering::begin(&scene, &*device, request)?;
@@ -74,6 +70,20 @@ pub fn run(job: Job) -> Result<(), Failure> {
     made.conclude(&mut listener)?;
     listener.reporter.done();
     Ok(())
+}
+
+/// Teller of warnings, unless all is to be quiet.
+fn warnings(quiet: bool) -> impl Fn(&str) {
+    move |warning| {
+        if !quiet {
+            say(format_args!("warning: {warning}"));
+        }
+    }
+}
+
+/// Opens the device that is asked for.
+pub fn open(machine: &MachineArguments) -> Result<Box<dyn Device>, DeviceError> {
+    raggio_render::open_all(&machine.device, &machine.options(), warnings(machine.quiet))
 }
 
 /// Warns of a checkpoint that is there though nobody wants to go on from it.

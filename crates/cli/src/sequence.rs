@@ -14,9 +14,8 @@ use crate::args::RenderArguments;
 use crate::error::Failure;
 use crate::files::{Files, check_apart, denoiser};
 use crate::order::{checkpoints, request, wanted};
-use crate::output::say;
 use crate::progress::{End, FramePlace, Reporter, duration};
-use crate::run::{Listener, Made, Target, override_settings, size_of, tell_where_it_goes_on, warn_of_left};
+use crate::run::{Listener, Made, Target, open, override_settings, size_of, tell_where_it_goes_on, warn_of_left};
 use crate::signals;
 use crate::stats::Setup;
 use crate::video::Video;
@@ -300,13 +299,8 @@ impl Job<'_> {
     /// Opens the device for the first frame that is to be rendered.
     fn start(&mut self, scene: &Scene, translated: &DeviceScene) -> Result<(), Failure> {
         let machine = &self.arguments.machine;
-        let warn = |warning: &str| {
-            if !machine.quiet {
-                say(format_args!("warning: {warning}"));
-            }
-        };
         let opened = Instant::now();
-        let device = raggio_render::open_all(&machine.device, &machine.options(), warn)?;
+        let device = open(machine)?;
         let open_seconds = opened.elapsed().as_secs_f64();
         let mut rendering = Rendering::begin_translated(scene, translated.clone(), &*device, self.request.clone())?;
         let target = Target::of(&rendering, &self.request.stop);

@@ -189,6 +189,24 @@ fn checkpoints_are_for_long_renders_or_those_who_ask() {
     }
 }
 
+/// A render that is told to go on from what another is writing would spoil both.
+#[test]
+fn two_renders_have_no_checkpoint_in_common() {
+    let folder = folder_with(&endless());
+    let mut child = start(folder.path(), &["--checkpoint-every", "1samples", "-o", "a.png"]);
+    wait_for(&folder.path().join("a.png.checkpoint"));
+    let by = format!("a.png.checkpoint belongs to a render under way, process {}", child.id());
+    for more in [&[][..], &["--resume"], &["--frames", "1"]] {
+        assert_refused(&render(folder.path(), &[&["-o", "a.png"], more].concat()), &by);
+    }
+    succeeds(folder.path(), &["-o", "b.png", "--samples", "1"]);
+    succeeds(folder.path(), &["-o", "a.png", "--samples", "1", "--no-checkpoint"]);
+    child.kill().and_then(|()| child.wait()).expect("a child");
+    // Whoever is dead holds nothing.
+    succeeds(folder.path(), &["-o", "a.png", "--resume", "--time-limit", "0.01"]);
+    assert_eq!(files_in(folder.path()), ["a.png", "b.png", "scene.toml"]);
+}
+
 #[test]
 fn checkpoints_of_another_render_are_refused() {
     let folder = folder_with(&slow());

@@ -31,11 +31,11 @@ mod warnings;
 
 pub use error::{ModelError, Place};
 pub use file::{LoadOptions, MOST_BYTES, path_inside};
-pub use gltf::{GltfOptions, Resources, load_gltf, parse_gltf};
+pub use gltf::{GltfOptions, GltfSequence, Resources, load_gltf, parse_gltf};
 pub use load::{Format, load};
 pub use material::{AlphaMode, Principled, Texture, TextureFilter, Wrap};
 pub use mesh::{Dropped, Mesh, MeshFile, Part};
-pub use model::{Camera, Instance, Light, LightKind, Material, Model, Projection};
+pub use model::{Animation, Camera, Instance, Light, LightKind, Material, Model, Projection};
 pub use obj::mtl::{MtlLibrary, MtlMap, MtlMaterial, parse_mtl};
 pub use obj::parse_obj;
 pub use ply::parse_ply;

@@ -57,11 +57,15 @@ impl Format {
 /// # Errors
 /// When the file cannot be read, is too large, or is not a valid model.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Model, ModelError> {
-    let mut model = load_whole(path, options)?;
+    let model = load_whole(path, options)?;
+    Ok(Model { warnings: in_groups(model.warnings), ..model })
+}
+
+/// Warnings in which those that are alike have become one where they are many.
+pub(crate) fn in_groups(list: Vec<String>) -> Vec<String> {
     let mut warnings = Warnings::default();
-    warnings.extend(std::mem::take(&mut model.warnings));
-    model.warnings = warnings.into_sentences();
-    Ok(model)
+    warnings.extend(list);
+    warnings.into_sentences()
 }
 
 fn load_whole(path: &Path, options: &LoadOptions) -> Result<Model, ModelError> {
@@ -89,7 +93,7 @@ fn load_whole(path: &Path, options: &LoadOptions) -> Result<Model, ModelError> {
     file.warnings.extend(warnings);
     named.extend(images);
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    Ok(file.into_model(&stem, materials).naming(named))
+    Ok(file.into_model(&stem, materials).naming(&named))
 }
 
 /// Fills in the materials of the libraries that the model names. Returns which were looked for.

@@ -175,7 +175,7 @@ pub enum AlphaMode {
 }
 
 /// An image and how it lies on a surface.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Texture {
     /// Image, shared among all its uses.
     pub image: Arc<Bitmap>,
@@ -187,6 +187,15 @@ pub struct Texture {
     pub wrap: [Wrap; 2],
     /// Interpolation between texels.
     pub filter: TextureFilter,
+}
+
+impl PartialEq for Texture {
+    fn eq(&self, other: &Self) -> bool {
+        let Self { image, uv_set, transform, wrap, filter } = other;
+        // One image in memory is equal to itself, however many texels it has.
+        (self.uv_set, self.transform, self.wrap, self.filter) == (*uv_set, *transform, *wrap, *filter)
+            && (Arc::ptr_eq(&self.image, image) || self.image == *image)
+    }
 }
 
 impl Texture {

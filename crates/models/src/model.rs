@@ -20,8 +20,8 @@ pub struct Model {
     pub materials: Vec<Material>,
     /// Lights without size.
     pub lights: Vec<Light>,
-    /// Whether the file has animations: others are equal at every time.
-    pub is_animated: bool,
+    /// Animations of the file; one without any is equal at every time.
+    pub animations: Vec<Animation>,
     /// Viewpoints of the file, in the order of the nodes that place them.
     pub cameras: Vec<Camera>,
     /// Paths, without links, of the files that the model's own names and that were opened: buffers, images, material
@@ -35,10 +35,19 @@ pub struct Model {
 
 impl Model {
     /// The model, with the files that were asked for while it was read.
-    pub(crate) fn naming(self, named: Named) -> Self {
-        let [files, missing] = [named.found, named.missing].map(|paths| paths.into_iter().collect());
+    pub(crate) fn naming(self, named: &Named) -> Self {
+        let [files, missing] = [&named.found, &named.missing].map(|paths| paths.iter().cloned().collect());
         Self { files, missing, ..self }
     }
+}
+
+/// An animation, and when something moves in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Animation {
+    /// Name that the file gives it; may be empty.
+    pub name: String,
+    /// Moments of its first and its last keyframe, in seconds: before and after these everything rests.
+    pub seconds: [f64; 2],
 }
 
 /// A placed mesh.

@@ -8,6 +8,7 @@ use pyo3::types::PyBytes;
 use raggio_render::{Channel, Display, Extras, Image, ImageFile, Values, show_bytes};
 
 use crate::errors::{guarded, output_error};
+use crate::host::on_threads;
 use crate::meshes::pixels;
 use crate::picture::Metadata;
 use crate::values::chosen;
@@ -56,7 +57,7 @@ pub fn write_image(
     let extras = Extras { channels, metadata: metadata.map(|metadata| metadata.get().inner.clone()) };
     guarded(py, || {
         let file = ImageFile::new(&path).map_err(output_error)?.with_png_bits(png_bits);
-        file.write_image(&image, display, &extras).map_err(output_error)
+        on_threads(|| file.write_image(&image, display, &extras).map_err(output_error))
     })
 }
 

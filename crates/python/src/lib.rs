@@ -3,6 +3,8 @@
 //! Arrays and texts come in, arrays go out; what users see of it is in `python/raggio`. A scene is the text of a scene file,
 //! whose meshes and images may be in memory. Whatever takes time runs without Python's lock.
 
+#[cfg(target_os = "linux")]
+mod cuda;
 mod errors;
 mod host;
 mod images;
@@ -21,6 +23,9 @@ use pyo3::prelude::*;
 mod _raggio {
     use super::*;
 
+    #[cfg(target_os = "linux")]
+    #[pymodule_export]
+    use super::cuda::{CudaArray, cuda_devices, to_cuda};
     #[pymodule_export]
     use super::images::{encode_png, tonemap, write_image};
     #[pymodule_export]

@@ -57,10 +57,10 @@ impl SceneText {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Reads the text, unless that has been done.
-    pub fn read(&self) -> PyResult<ReadScene> {
+    /// Reads the text, unless that has been done, at the moment `time` or at its own.
+    pub fn read(&self, time: Option<f64>) -> PyResult<ReadScene> {
         let mut inner = self.lock();
-        let scene = inner.read()?;
+        let scene = inner.read_at(time)?;
         let own = inner.own_entries;
         let id = |(number, entry): (usize, usize)| {
             if entry < own { number as i32 + 1 } else { inner.ids[entry - own] }
@@ -97,6 +97,20 @@ impl Inner {
         }
         let scene = Scene::parse_with(&text, &self.path, &mut self.assets).map_err(scene_error)?;
         Ok(self.read.insert(Arc::new(scene)).clone())
+    }
+
+    /// Reads the text at another moment than its own.
+    fn read_at(&mut self, time: Option<f64>) -> PyResult<Arc<Scene>> {
+        let own = self.assets.options().time_seconds;
+        if time.is_none() || time == own {
+            return self.read();
+        }
+        self.assets.set_time(time);
+        let kept = self.read.take();
+        let read = self.read();
+        self.read = kept;
+        self.assets.set_time(own);
+        read
     }
 
     fn changed(&mut self) {
@@ -204,9 +218,42 @@ impl SceneText {
         self.lock().document.to_string()
     }
 
-    /// Reads the text, and returns its warnings.
-    fn check(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        guarded(py, || on_threads(|| Ok(self.lock().read()?.warnings.clone())))
+    /// Reads the text, at the moment `time` or at its own, and returns its warnings.
+    #[pyo3(signature = (time=None))]
+    fn check(&self, py: Python<'_>, time: Option<f64>) -> PyResult<Vec<String>> {
+        guarded(py, || on_threads(|| Ok(self.lock().read_at(time)?.warnings.clone())))
+    }
+
+    /// Moment of animations and keyframes, in seconds, if one was set.
+    #[getter]
+    fn time(&self) -> Option<f64> {
+        self.lock().assets.options().time_seconds
+    }
+
+    /// Sets the moment of animations and keyframes.
+    #[setter]
+    fn set_time(&self, time: Option<f64>) {
+        let mut inner = self.lock();
+        if inner.assets.options().time_seconds != time {
+            inner.assets.set_time(time);
+            inner.changed();
+        }
+    }
+
+    /// Animations of the models of the scene: path of the file, name, first and last moment.
+    fn animations(&self, py: Python<'_>) -> PyResult<Vec<(PathBuf, String, f64, f64)>> {
+        guarded(py, || {
+            on_threads(|| {
+                let mut inner = self.lock();
+                inner.read()?;
+                let listed = inner.assets.animations();
+                let listed = listed.into_iter().map(|(path, it)| {
+                    let [start, end] = it.seconds;
+                    (path.into(), it.name.clone(), start, end)
+                });
+                Ok(listed.collect())
+            })
+        })
     }
 
     /// Whether both are of the same shapes, materials, light, settings and numbers.
@@ -216,7 +263,7 @@ impl SceneText {
                 if std::ptr::eq(self, other) {
                     return Ok(true);
                 }
-                let (one, two) = (self.read()?, other.read()?);
+                let (one, two) = (self.read(None)?, other.read(None)?);
                 Ok(one.ids == two.ids && one.scene == two.scene)
             })
         })

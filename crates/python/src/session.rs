@@ -9,6 +9,8 @@ use pyo3::types::PyDict;
 use raggio_render::{Aov, Denoiser, Observer, Progress, RenderRequest, Rendering, Stop};
 use raggio_scene::{Camera, Scene};
 
+#[cfg(target_os = "linux")]
+use crate::cuda::CudaArray;
 use crate::errors::{denoise_error, device_error, guarded, render_error};
 use crate::host::{self, on_threads};
 use crate::picture::Developed;
@@ -29,6 +31,8 @@ struct Inner {
     scene: Scene,
     ids: Vec<i32>,
     revision: u64,
+    /// Moment at which the scene was read, if it is not the scene's own.
+    time: Option<f64>,
     denoise: bool,
     warnings: Vec<String>,
 }
@@ -62,7 +66,7 @@ impl Session {
     /// Brings a scene to a device.
     #[new]
     #[pyo3(signature = (
-        scene, *, name, camera, size, samples, seed, max_depth, alpha, noise, time_limit, device, threads, aovs,
+        scene, *, name, camera, time, size, samples, seed, max_depth, alpha, noise, time_limit, device, threads, aovs,
         denoise
     ))]
     #[allow(clippy::too_many_arguments, reason = "all but one are named")]
@@ -71,6 +75,7 @@ impl Session {
         scene: &SceneText,
         name: String,
         camera: Option<String>,
+        time: Option<f64>,
         size: Option<(u32, u32)>,
         samples: Option<u32>,
         seed: Option<u32>,
@@ -99,11 +104,11 @@ impl Session {
             let warnings = warnings.into_inner().unwrap_or_else(PoisonError::into_inner);
             let device_name = device.name();
             let inner = on_threads(|| {
-                let ReadScene { scene, ids, revision } = scene.read()?;
+                let ReadScene { scene, ids, revision } = scene.read(time)?;
                 let mut scene = Scene::clone(&scene);
                 view.apply(&mut scene);
                 let rendering = Rendering::begin(&scene, &*device, request).map_err(render_error)?;
-                Ok(Inner { rendering, scene, ids, revision, denoise, warnings })
+                Ok(Inner { rendering, scene, ids, revision, time, denoise, warnings })
             })?;
             Ok(Self { process: std::process::id(), device: device_name, inner: Mutex::new(inner) })
         })
@@ -121,13 +126,14 @@ impl Session {
     }
 
     /// Begins anew with another view of `scene`, and brings what has changed of it to the device.
-    #[pyo3(signature = (scene, *, camera, size, seed, max_depth, alpha))]
+    #[pyo3(signature = (scene, *, camera, time, size, seed, max_depth, alpha))]
     #[allow(clippy::too_many_arguments, reason = "all but one are named")]
     fn look(
         &self,
         py: Python<'_>,
         scene: &SceneText,
         camera: Option<String>,
+        time: Option<f64>,
         size: Option<(u32, u32)>,
         seed: Option<u32>,
         max_depth: Option<u32>,
@@ -139,10 +145,11 @@ impl Session {
             on_threads(|| {
                 let mut inner = self.lock()?;
                 let inner = &mut *inner;
-                let ReadScene { scene, ids, revision } = scene.read()?;
-                let same = revision == inner.revision;
+                let ReadScene { scene, ids, revision } = scene.read(time)?;
+                let same = revision == inner.revision && time == inner.time;
                 if !same {
-                    (inner.scene, inner.ids, inner.revision) = (Scene::clone(&scene), ids, revision);
+                    (inner.scene, inner.ids) = (Scene::clone(&scene), ids);
+                    (inner.revision, inner.time) = (revision, time);
                 } else {
                     (inner.scene.camera, inner.scene.render) = (scene.camera.clone(), scene.render.clone());
                 }
@@ -173,6 +180,22 @@ impl Session {
             Ok(listener.stopped.or(done.map_err(device_error).err()))
         })?;
         Ok(ended.map(|error| error.into_value(py).into_any()))
+    }
+
+    /// The picture of the samples that there are in the memory of CUDA's device, which is this one; `None` where it would have
+    /// to go through the host.
+    #[cfg(target_os = "linux")]
+    fn cuda(&self, py: Python<'_>) -> PyResult<Option<CudaArray>> {
+        guarded(py, || {
+            let mut inner = self.lock()?;
+            let Inner { rendering, scene, denoise, .. } = &mut *inner;
+            if *denoise {
+                return Ok(None);
+            }
+            let shape = [scene.render.height as usize, scene.render.width as usize, 3];
+            let means = rendering.means_in_cuda().map_err(device_error)?;
+            Ok(means.map(|means| CudaArray::new(means, shape)))
+        })
     }
 
     /// The picture of the samples that there are, as a dictionary, and what has ended its making early.

@@ -1,6 +1,8 @@
 //! Checkpoints: films with the state of their sampling, from which a render goes on as if nothing had happened.
 
+mod gathered;
 mod keeper;
+mod lock;
 mod state;
 
 use std::path::{Path, PathBuf};
@@ -11,6 +13,7 @@ use crate::devices::device::DeviceError;
 use crate::pictures::film::{FilmError, MergeError};
 use crate::pictures::output_file::appended;
 
+pub(crate) use gathered::Gathered;
 pub(crate) use keeper::Keeper;
 pub(crate) use state::{AdaptiveState, Checkpoint, SamplingState};
 
@@ -61,6 +64,17 @@ pub enum CheckpointError {
         path: PathBuf,
         /// Error of the system.
         source: std::io::Error,
+    },
+    /// A checkpoint that another render keeps at this moment.
+    #[error(
+        "{} belongs to a render under way, {by}: wait for it, or name another with --checkpoint",
+        display_name(path)
+    )]
+    InUse {
+        /// Path of the checkpoint.
+        path: PathBuf,
+        /// Who it is, in words.
+        by: String,
     },
     /// A file that cannot be read, or is no film.
     #[error("cannot go on from a checkpoint: {0}")]

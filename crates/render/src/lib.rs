@@ -46,6 +46,8 @@ pub use raggio_kernels::cpu::{Counts, InstructionSet, StageCounts, Walk};
 pub use raggio_kernels::{
     Comparison, Feature, FilmPixel, MAX_NESTED_MEDIA, Probe, SamplerKind, Sequence, ShapeKind, Spirv, ToneMapper, View,
 };
+#[cfg(target_os = "linux")]
+pub use raggio_vulkan::CudaMemory;
 pub use renderer::{NoiseProgress, Progress, Renderer};
 pub use rendering::{Preparation, RenderError, Rendered, Rendering};
 pub use request::{Observer, Phase, RenderRequest, Stop, UNLIMITED_SAMPLES};

@@ -2,6 +2,7 @@
 
 pub mod aov;
 pub mod display;
+pub mod exr_file;
 pub mod file_faults;
 pub mod film;
 pub mod fingerprint;

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use raggio_kernels::Feature;
 
+use crate::checkpoint::Gathered;
 use crate::devices::adaptive::{Blocks, next_judgement};
 use crate::devices::device::{DeviceError, Session};
 use crate::devices::films::Films;
@@ -42,6 +43,8 @@ pub struct Renderer {
     courses: Films<Course>,
     adaptive: Option<Adaptive>,
     identity: Arc<Identity>,
+    /// Part of the device's patience that portions take: less after each time that it was lost.
+    haste: f64,
 }
 
 /// Sampling until the error is small enough, for the film of radiance.
@@ -76,6 +79,8 @@ struct Course {
     total: u64,
 }
 
+/// Part of the time of portions that those after a failure of the device take.
+const HASTE: f64 = 0.25;
 /// Multiple of its time after which a portion is cut short.
 const PATIENCE: f64 = 1.5;
 /// Factor by which a portion may be larger than the one before.
@@ -126,6 +131,7 @@ impl Renderer {
             courses: Films::new(course),
             adaptive: None,
             identity: Arc::new(Identity::new(scene)),
+            haste: 1.0,
         }
     }
 
@@ -198,6 +204,20 @@ impl Renderer {
     /// A [`DeviceError`] when the scene's indices are wrong, or the device fails or has no memory for it.
     pub fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
         self.session.restart(scene)?;
+        self.begin_with(scene)
+    }
+
+    /// Begins anew as [`Renderer::restart`] does, on a device that was lost.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device stays lost; only another try can follow.
+    pub(crate) fn restart_lost(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
+        self.session.revive(scene)?;
+        self.courses = Films::new(Course::new(self.height, self.samples.start, self.rate(), 0.0));
+        self.begin_with(scene)
+    }
+
+    fn begin_with(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
         (self.width, self.height) = (scene.work.width, scene.work.height);
         self.identity = Arc::new(Identity::new(scene));
         self.longest_path = longest_path(scene);
@@ -215,6 +235,27 @@ impl Renderer {
     pub fn settle(&mut self) {
         self.session.settle();
         self.identity = Arc::new(self.identity.settled());
+    }
+
+    /// Begins anew after a failure of the device with `scene`, which has not changed: from `gathered`, or from the first sample.
+    /// Returns what has been done about the failure, in words.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device stays lost; only another try can follow.
+    pub(crate) fn revive(&mut self, scene: &DeviceScene, gathered: Option<&Gathered>) -> Result<String, DeviceError> {
+        let done = self.session.revive(scene)?;
+        // A driver may have lost patience.
+        self.haste *= HASTE;
+        let shown = Course::new(self.height, self.samples.start, self.rate(), 0.0);
+        self.courses = Films::new(shown);
+        if let Some(noise) = self.adaptive.as_ref().map(|adaptive| adaptive.noise) {
+            self.set_noise(noise);
+        }
+        if let Some(Gathered { film, state, .. }) = gathered {
+            let adaptive = self.adaptive_of(state).flatten();
+            self.go_on(film, state, adaptive)?;
+        }
+        Ok(done)
     }
 
     /// Numbers of the samples that each pixel is to have at most.
@@ -279,7 +320,7 @@ impl Renderer {
             return Ok(self.progress());
         }
         self.session.prepare()?;
-        let seconds = seconds.min(self.session.patience_seconds());
+        let seconds = seconds.min(self.session.patience_seconds() * self.haste);
         let portion = (self.rate() * self.caution() * seconds).min(GROWTH * self.courses.shown().last);
         if self.courses.shown().row == self.height {
             let unjudged = self.judge()?;
@@ -399,12 +440,36 @@ impl Renderer {
     /// # Errors
     /// A [`DeviceError`] when the device fails.
     pub fn labelled_film(&mut self) -> Result<Film, DeviceError> {
+        self.showing(Feature::Radiance, |renderer| Ok(renderer.session.film()?.with_label(renderer.label())))
+    }
+
+    /// Film of radiance as it is now, with all that a checkpoint takes but its notes.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails.
+    pub(crate) fn gather(&mut self) -> Result<Gathered, DeviceError> {
+        self.showing(Feature::Radiance, |renderer| {
+            Ok(Gathered {
+                film: renderer.session.film()?,
+                label: renderer.late_label(),
+                notes: vec![],
+                state: renderer.sampling_state(),
+                progress: renderer.progress(),
+            })
+        })
+    }
+
+    /// Does something to the film of `feature`, and shows the one before again.
+    fn showing<T>(
+        &mut self,
+        feature: Feature,
+        what: impl FnOnce(&mut Self) -> Result<T, DeviceError>,
+    ) -> Result<T, DeviceError> {
         let shown = self.feature();
-        self.show(Feature::Radiance)?;
-        let film = self.session.film();
-        let label = self.label();
+        self.show(feature)?;
+        let done = what(self);
         self.show(shown)?;
-        Ok(film?.with_label(label))
+        done
     }
 
     /// Makes passes add no more than `samples` samples, at least one, to each pixel.
@@ -424,8 +489,13 @@ impl Renderer {
     /// Label of the film of radiance, which has to be shown, as it is now.
     pub(crate) fn late_label(&self) -> LateLabel {
         let Course { pass, row, .. } = self.courses.shown();
+        self.late_label_at(pass, *row)
+    }
+
+    /// Label of the film of radiance when the pass `pass` has come to `row`.
+    fn late_label_at(&self, pass: &Range<u32>, row: u32) -> LateLabel {
         let whole = Portion { samples: self.samples.start..pass.start, rows: 0..self.height };
-        let unfinished = Portion { samples: pass.clone(), rows: 0..*row };
+        let unfinished = Portion { samples: pass.clone(), rows: 0..row };
         let noise = self.adaptive.as_ref().map(|adaptive| adaptive.noise);
         let settings = settings(self.identity.settings(), noise);
         LateLabel::new(self.identity.clone(), settings, vec![whole, unfinished])

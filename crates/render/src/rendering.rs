@@ -1,5 +1,8 @@
 //! A render from its scene to its picture: what all front ends without a window share.
 
+mod failures;
+
+use std::cell::Cell;
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -11,7 +14,7 @@ use std::time::{Duration, Instant};
 use raggio_kernels::MAX_NESTED_MEDIA;
 use raggio_scene::Scene;
 
-use crate::checkpoint::{Checkpoint, CheckpointError, Checkpoints, Every, Keeper, SamplingState};
+use crate::checkpoint::{CheckpointError, Checkpoints, Every, Gathered, Keeper, SamplingState};
 use crate::devices::device::{Device, DeviceError};
 use crate::devices::machine::{TooLarge, check_films};
 use crate::pictures::aov::Features;
@@ -24,6 +27,8 @@ use crate::renderer::{LateLabel, Progress, Renderer};
 use crate::request::{Observer, Phase, RenderRequest};
 use crate::translation::device_scene::DeviceScene;
 use crate::translation::error::TranslationError;
+
+use failures::Safety;
 
 /// Most samples a pixel of layers and guides: their noise is that of edges alone.
 const MOST_FEATURE_SAMPLES: u64 = 1024;
@@ -39,6 +44,7 @@ pub struct Rendering {
     request: RenderRequest,
     metadata: Metadata,
     keeper: Option<Keeper>,
+    safety: Safety,
     resumed: Option<PathBuf>,
     /// Seconds that were spent before a checkpoint was written, and until now.
     spent: f64,
@@ -71,7 +77,17 @@ pub struct Rendered {
     pub triangles: usize,
     keeper: Option<Keeper>,
     /// Label and state of the film, for who needs them after all.
-    unsaved: Option<(LateLabel, SamplingState)>,
+    unsaved: (LateLabel, SamplingState),
+}
+
+/// End of sampling.
+struct End {
+    gathered: Gathered,
+    /// Path of its checkpoint.
+    checkpoint: Option<PathBuf>,
+    is_labelled: bool,
+    /// Whether every pixel has all its samples.
+    finished: bool,
 }
 
 /// Time that goes by before the first sample of a render, in seconds.
@@ -126,7 +142,7 @@ impl Rendering {
         let start = Instant::now();
         let device_scene = DeviceScene::new(scene)?;
         let translate_seconds = start.elapsed().as_secs_f64();
-        let mut rendering = Self::begin_translated(scene, device_scene, device, request)?;
+        let mut rendering = Self::load(scene, device_scene, device, request)?;
         rendering.preparation.translate_seconds = translate_seconds;
         Ok(rendering)
     }
@@ -142,6 +158,15 @@ impl Rendering {
         request: RenderRequest,
     ) -> Result<Self, RenderError> {
         check_films(scene.render.width, scene.render.height, request.films_beside(scene.render.alpha))?;
+        Self::load(scene, device_scene, device, request)
+    }
+
+    fn load(
+        scene: &Scene,
+        device_scene: DeviceScene,
+        device: &dyn Device,
+        request: RenderRequest,
+    ) -> Result<Self, RenderError> {
         device.compile_ahead(&device_scene, &request.films(scene.render.alpha));
         let start = Instant::now();
         let session = device.load(&device_scene)?;
@@ -157,6 +182,7 @@ impl Rendering {
             request,
             metadata,
             keeper: None,
+            safety: Safety::default(),
             resumed: None,
             spent: 0.0,
             preparation: Preparation { upload_seconds, ..Preparation::default() },
@@ -190,7 +216,7 @@ impl Rendering {
     fn keep_checkpoints(&mut self) -> Result<(), RenderError> {
         (self.keeper, self.resumed) = (None, None);
         let Some(wanted) = &self.request.checkpoints else { return Ok(()) };
-        let mut keeper = Keeper::new(wanted)?;
+        let mut keeper = Keeper::new(wanted, &mut |warning| self.warnings.push(warning))?;
         if let Every::Samples(samples) = wanted.every {
             self.renderer.set_longest_pass(samples);
         }
@@ -198,6 +224,8 @@ impl Rendering {
         if let Some((path, checkpoint)) = found {
             self.renderer.resume(&checkpoint, &path)?;
             (self.resumed, self.spent) = (Some(path), checkpoint.state.spent);
+            // A device that is lost soon need not begin with the first sample.
+            self.keep_safe(checkpoint);
         }
         self.keeper = Some(keeper);
         Ok(())
@@ -224,6 +252,9 @@ impl Rendering {
     /// # Errors
     /// A [`DeviceError`] when the device fails.
     pub fn prepare(&mut self, observer: &mut dyn Observer) -> Result<(), DeviceError> {
+        if self.renderer.finished() {
+            return Ok(());
+        }
         let session = self.renderer.session();
         if session.is_prepared() {
             return session.prepare();
@@ -243,6 +274,16 @@ impl Rendering {
         });
         self.preparation.compile_wait_seconds += start.elapsed().as_secs_f64();
         prepared
+    }
+
+    /// Means of the samples that there are, three floats a pixel, for CUDA on the same device, without a way through the host;
+    /// `None` where that cannot be, or the picture is more than that: without its background.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails.
+    #[cfg(target_os = "linux")]
+    pub fn means_in_cuda(&mut self) -> Result<Option<raggio_vulkan::CudaMemory>, DeviceError> {
+        if self.scene.settings.alpha { Ok(None) } else { self.renderer.session().means_in_cuda() }
     }
 
     /// Changes how many samples each pixel is to have, for [`Rendering::sample`] to go on.
@@ -275,7 +316,7 @@ impl Rendering {
     }
 
     fn restart(&mut self, scene: &Scene) -> Result<(), RenderError> {
-        self.renderer.restart(&self.scene)?;
+        self.restart_device()?;
         self.spent = 0.0;
         self.metadata = Metadata::new(scene, &self.request.name);
         Ok(())
@@ -292,9 +333,11 @@ impl Rendering {
     /// # Errors
     /// A [`DeviceError`] when the device fails and the film is lost with it, but for what a checkpoint has.
     pub fn run(mut self, observer: &mut dyn Observer) -> Result<Rendered, DeviceError> {
-        // No other scene follows.
-        self.renderer.settle();
-        self.scene.settle();
+        // No other scene follows, nor this one once more where no device can be lost.
+        if !self.renderer.session().may_be_lost() {
+            self.renderer.settle();
+            self.scene.settle();
+        }
         let failure = self.sample(observer).err();
         self.develop(observer, failure)
     }
@@ -309,21 +352,16 @@ impl Rendering {
         observer: &mut dyn Observer,
         mut failure: Option<DeviceError>,
     ) -> Result<Rendered, DeviceError> {
-        let progress = self.renderer.progress();
-        let mut finished = self.renderer.finished();
-        let (film, unsaved, checkpoint) = match self.end(&progress, failure.is_some(), observer) {
-            Ok((film, checkpoint)) => (film, Some((self.renderer.late_label(), self.sampling_state())), checkpoint),
-            // A lost device has usually lost the film with it: then its first failure is what to report, and the picture
-            // is that of the last checkpoint.
-            Err(error) => {
-                let error = failure.take().unwrap_or(error);
-                let Some(keeper) = &self.keeper else { return Err(error) };
-                let Some(checkpoint) = keeper.newest() else { return Err(error) };
-                failure = Some(error);
-                finished = false;
-                (checkpoint.film, None, Some(keeper.path().to_owned()))
+        let End { gathered, checkpoint, is_labelled, finished } = loop {
+            match self.end(failure.is_some(), observer) {
+                // The first failure is what to report.
+                Err(error) if failure.is_some() => return Err(failure.take().unwrap_or(error)),
+                Err(error) => failure = self.overcome(error, observer).and_then(|()| self.sample(observer)).err(),
+                Ok(end) => break end,
             }
         };
+        let Gathered { film, label, notes: _, state, progress } = gathered;
+        let film = if is_labelled { film.with_label(label.make()).with_notes(self.metadata.notes()) } else { film };
         if film.rejected() > 0 {
             observer.warn(&format!(
                 "{} samples had no finite value, or more than {MAX_NESTED_MEDIA} dielectrics overlapped there; they were left out",
@@ -332,10 +370,10 @@ impl Rendering {
         }
         let mut features = None;
         let mut coverage = None;
-        if failure.is_none() {
+        while failure.is_none() && features.is_none() {
             match self.features(observer, &film) {
                 Ok(found) => (features, coverage) = (Some(found.0), found.1),
-                Err(error) => failure = Some(error),
+                Err(error) => failure = self.overcome(error, observer).err(),
             }
         }
         let film = film.with_coverage(coverage);
@@ -344,6 +382,7 @@ impl Rendering {
         let preparation = self.preparation;
         let keeper = self.keeper.take();
         let picture = self.picture(film, features);
+        let unsaved = (label, state);
         Ok(Rendered {
             picture,
             progress,
@@ -358,26 +397,48 @@ impl Rendering {
         })
     }
 
-    /// Takes samples until there are enough, in number or by the clock, or `observer` breaks off.
+    /// Takes samples until there are enough, in number or by the clock, or `observer` breaks off. A device that is lost is
+    /// opened again a few times.
     ///
     /// # Errors
     /// A [`DeviceError`] when the device fails.
     pub fn sample(&mut self, observer: &mut dyn Observer) -> Result<(), DeviceError> {
         std::mem::take(&mut self.warnings).iter().for_each(|warning| observer.warn(warning));
-        self.prepare(observer)?;
-        observer.begin(Phase::Sampling);
         self.is_done = false;
-        let start = Instant::now();
-        // Whoever goes on has spent some of the time already.
-        let before = self.spent;
-        let limit = self.request.stop.time_limit.map_or(f64::INFINITY, f64::from);
-        let mut is_second_try = false;
-        let mut is_done = true;
+        self.begin_safely()?;
         if let Some(keeper) = &mut self.keeper {
             keeper.begin(self.renderer.progress().samples);
         }
+        // Whoever goes on has spent some of the time already, and what the driver compiles takes none of it.
+        let (start, before, compiling) = (Instant::now(), self.spent, Cell::new(Duration::ZERO));
+        let clock = || before + (start.elapsed() - compiling.get()).as_secs_f64();
+        loop {
+            let begun = Instant::now();
+            let prepared = match self.prepare(observer) {
+                Err(error) if error.is_out_of_memory() => self.prepare(observer),
+                prepared => prepared,
+            };
+            compiling.set(compiling.get() + begun.elapsed());
+            let sampled = prepared.and_then(|()| {
+                observer.begin(Phase::Sampling);
+                self.sample_on(&clock, observer)
+            });
+            match sampled {
+                Ok(()) => break,
+                Err(error) => self.overcome(error, observer)?,
+            }
+        }
+        // What follows is not to be stopped by who has stopped this.
+        self.stop_flag().store(false, Ordering::Relaxed);
+        Ok(())
+    }
+
+    /// Takes samples as [`Rendering::sample`] does, until the device fails; `clock` tells the seconds that have been spent.
+    fn sample_on(&mut self, clock: &dyn Fn() -> f64, observer: &mut dyn Observer) -> Result<(), DeviceError> {
+        let limit = self.request.stop.time_limit.map_or(f64::INFINITY, f64::from);
+        let mut is_second_try = false;
         while !self.renderer.finished() {
-            self.spent = before + start.elapsed().as_secs_f64();
+            self.spent = clock();
             if self.spent >= limit {
                 break;
             }
@@ -391,65 +452,42 @@ impl Rendering {
                 advanced => advanced?,
             };
             is_second_try = false;
-            self.spent = before + start.elapsed().as_secs_f64();
+            self.spent = clock();
             progress.fraction = progress.fraction.max(self.spent / limit).min(1.0);
             let proceeds = observer.progress(&progress).is_continue() && !self.stop_flag().load(Ordering::Relaxed);
             if !proceeds {
-                is_done = self.renderer.finished();
-                break;
+                self.is_done = self.renderer.finished();
+                return Ok(());
             }
-            if !self.renderer.finished() && self.keeper.as_ref().is_some_and(|keeper| keeper.is_due(&progress)) {
-                let checkpoint = self.checkpoint()?;
-                self.save(&checkpoint, &progress, observer);
-            }
+            self.keep(&progress, observer)?;
         }
-        // What follows is not to be stopped by who has stopped this.
-        self.stop_flag().store(false, Ordering::Relaxed);
-        self.is_done = is_done;
+        self.is_done = true;
         Ok(())
     }
 
     /// Reads the film at the end of sampling, and keeps it in a checkpoint where there is to be one, until its files are
-    /// written.
-    fn end(
-        &mut self,
-        progress: &Progress,
-        has_failed: bool,
-        observer: &mut dyn Observer,
-    ) -> Result<(Film, Option<PathBuf>), DeviceError> {
-        let is_wanted = |keeper: &Keeper| has_failed || keeper.owns() || keeper.is_worth_it(progress);
-        if !self.keeper.as_ref().is_some_and(is_wanted) && !self.request.label {
-            return Ok((self.renderer.film()?, None));
-        }
-        let checkpoint = self.checkpoint()?;
-        let mut path = None;
-        if self.keeper.as_ref().is_some_and(is_wanted) {
-            path = self.save(&checkpoint, progress, observer);
-            // Who is done writes files next, and saves the film elsewhere only if these cannot be written.
-            if let (None, Some(keeper)) = (&path, self.keeper.as_ref().filter(|_| !self.is_done)) {
-                path = keeper.save_elsewhere(&checkpoint, &refuges());
+    /// written. Where the film is lost, it is the one that was gathered last.
+    fn end(&mut self, has_failed: bool, observer: &mut dyn Observer) -> Result<End, DeviceError> {
+        let (gathered, is_lost) = match self.read() {
+            Ok(gathered) => (Arc::new(gathered), false),
+            Err(error) if has_failed => (self.safety.gathered().ok_or(error)?, true),
+            Err(error) => return Err(error),
+        };
+        let (mut checkpoint, mut is_labelled) = (None, self.request.label);
+        if let Some(keeper) = &mut self.keeper {
+            keeper.finish_writing(observer);
+            if has_failed || keeper.owns() || keeper.is_worth_it(&gathered.progress) {
+                is_labelled = true;
+                checkpoint = keeper.save(&gathered, observer).then(|| keeper.path().to_owned());
+                // Who is done writes files next, and saves the film elsewhere only if these cannot be written.
+                if checkpoint.is_none() && (!self.is_done || is_lost) {
+                    checkpoint = keeper.save_elsewhere(&gathered, &refuges());
+                }
             }
         }
-        Ok((checkpoint.film, path))
-    }
-
-    fn checkpoint(&mut self) -> Result<Checkpoint, DeviceError> {
-        let film = self.renderer.labelled_film()?.with_notes(self.metadata.notes());
-        Ok(Checkpoint { film, state: self.sampling_state() })
-    }
-
-    /// State of the sampling of radiance, whose film is shown but for while layers are rendered.
-    fn sampling_state(&self) -> SamplingState {
-        SamplingState { spent: self.spent, ..self.renderer.sampling_state() }
-    }
-
-    /// Writes a checkpoint, and returns its path if it could be written.
-    fn save(&mut self, checkpoint: &Checkpoint, progress: &Progress, observer: &mut dyn Observer) -> Option<PathBuf> {
-        let keeper = self.keeper.as_mut()?;
-        let saved = keeper.save(checkpoint, progress.samples, &mut |warning| observer.warn(warning));
-        let path = saved.then(|| keeper.path().to_owned())?;
-        observer.saved(&path);
-        Some(path)
+        let finished = !is_lost && self.renderer.finished();
+        let gathered = Arc::try_unwrap(gathered).unwrap_or_else(|shared| Gathered::clone(&shared));
+        Ok(End { gathered, checkpoint, is_labelled, finished })
     }
 
     /// Renders what the layers and the denoiser need to know of first surfaces, and their coverage if the picture has an
@@ -504,7 +542,7 @@ impl Rendered {
         if let Some(path) = &self.checkpoint {
             return Ok(path.clone());
         }
-        let (label, state) = self.unsaved.as_ref().ok_or(io::ErrorKind::NotFound)?;
+        let (label, state) = &self.unsaved;
         let notes = self.picture.extras.metadata.as_ref().map(Metadata::notes).unwrap_or_default();
         let (label, state) = (label.make().with_notes(notes), state.note());
         let mut outcome = Err(io::ErrorKind::NotFound.into());

@@ -53,11 +53,31 @@ pub fn request(path: &Path) -> RenderRequest {
     RenderRequest { label: true, checkpoints: Some(checkpoints), ..RenderRequest::default() }
 }
 
+/// A render that has ended and has left its checkpoints to the next.
+struct Ended {
+    picture: Picture,
+    progress: Progress,
+    finished: bool,
+    checkpoint: Option<PathBuf>,
+}
+
 /// Renders until `patience` portions are over, or to the end.
-fn render(scene: &Scene, request: RenderRequest, patience: Option<usize>) -> (Rendered, Ear) {
+fn render(scene: &Scene, request: RenderRequest, patience: Option<usize>) -> (Ended, Ear) {
+    let (rendered, ear) = render_and_hold(scene, request, patience);
+    let Rendered { picture, progress, finished, checkpoint, .. } = rendered;
+    (Ended { picture, progress, finished, checkpoint }, ear)
+}
+
+/// Renders as [`render`] does, and keeps the checkpoints from others.
+fn render_and_hold(scene: &Scene, request: RenderRequest, patience: Option<usize>) -> (Rendered, Ear) {
     let mut ear = Ear { patience, ..Ear::default() };
     let rendering = Rendering::begin(scene, &cpu(), request).unwrap_or_else(|error| panic!("{error}"));
     (rendering.run(&mut ear).expect("the device renders"), ear)
+}
+
+/// Removes the checkpoints of a render.
+fn remove(rendered: Rendered) {
+    rendered.remove_checkpoints().expect("files can be removed");
 }
 
 pub fn same(found: &Picture, expected: &Picture) -> bool {
@@ -101,11 +121,12 @@ fn interrupted_is_uninterrupted(of: RenderRequest) {
         };
         assert!(breaks > 2, "the render was broken off {breaks} times");
         // Layers are whole only where nobody breaks them off.
-        let (again, _) = render(&scene, RenderRequest { checkpoints: request(&path).checkpoints, ..of.clone() }, None);
+        let same_request = RenderRequest { checkpoints: request(&path).checkpoints, ..of.clone() };
+        let (again, _) = render_and_hold(&scene, same_request, None);
         assert!(same(&again.picture, &whole.picture), "the picture is another after {breaks} breaks");
         assert_eq!(again.progress.total_samples, whole.progress.total_samples);
         assert!(again.progress.seconds >= rendered.progress.seconds);
-        again.remove_checkpoints().expect("files can be removed");
+        remove(again);
         assert_eq!(names(folder.path()), Vec::<String>::new());
     }
 }
@@ -299,4 +320,58 @@ fn a_film_of_another_version_is_refused() {
     fs::write(&path, changed).expect("a file");
     let message = refusal(&scene(), request(&path));
     assert!(message.contains("it was made by raggio 9.") && message.contains("and this is raggio 0."), "{message}");
+}
+
+#[test]
+fn a_checkpoint_belongs_to_one_render_at_a_time() {
+    let (folder, path) = folder();
+    let first = Rendering::begin(&scene(), &cpu(), request(&path)).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(names(folder.path()), ["a.checkpoint.lock"]);
+    let by = format!("process {}", std::process::id());
+    let message = refusal(&scene(), request(&path));
+    let words = format!("{} belongs to a render under way, {by}", path.display());
+    assert!(message.starts_with(&words) && message.ends_with("name another with --checkpoint"), "{message}");
+    // Whatever the place is called.
+    let elsewhere = folder.path().join("./a.checkpoint");
+    assert!(refusal(&scene(), request(&elsewhere)).contains("belongs to a render under way"));
+    // It is free again once the other has removed its files, or has ended without.
+    let rendered = first.run(&mut Ear::default()).expect("the device renders");
+    assert!(
+        refusal(&scene(), request(&path)).contains("belongs to a render under way"),
+        "files are still to be written"
+    );
+    drop(rendered);
+    assert_eq!(names(folder.path()), ["a.checkpoint", "a.checkpoint.previous"]);
+    let (rendered, ear) = render_and_hold(&scene(), request(&path), None);
+    assert!(rendered.finished && ear.warnings.is_empty());
+    remove(rendered);
+    // The lock of a program that was killed is none.
+    fs::write(folder.path().join("a.checkpoint.lock"), "process 1 on a machine of long ago").expect("a file");
+    let (rendered, ear) = render_and_hold(&scene(), request(&path), None);
+    assert!(rendered.finished && ear.warnings.is_empty());
+    remove(rendered);
+    assert_eq!(names(folder.path()), Vec::<String>::new());
+    // Where nothing can be locked, the render goes on with a warning.
+    fs::create_dir(folder.path().join("a.checkpoint.lock")).expect("a folder");
+    let (rendered, ear) = render_and_hold(&scene(), request(&path), None);
+    assert!(rendered.finished && ear.warnings.len() == 1, "{:?}", ear.warnings);
+    assert!(ear.warnings[0].contains("cannot be locked"), "{:?}", ear.warnings);
+}
+
+/// A disk that takes its time keeps no render waiting: portions go on while a checkpoint is written, and no two are at once.
+#[cfg(unix)]
+#[test]
+fn rendering_goes_on_while_a_checkpoint_is_written() {
+    let mut scene = scene();
+    (scene.render.width, scene.render.height, scene.render.samples) = (1000, 1000, 12);
+    let (folder, path) = folder();
+    let part = folder.path().join("a.checkpoint.part");
+    let mut portions_meanwhile = 0;
+    let rendering = Rendering::begin(&scene, &cpu(), request(&path)).unwrap_or_else(|error| panic!("{error}"));
+    let rendered = rendering.run(&mut |_: &Progress| {
+        portions_meanwhile += usize::from(part.exists());
+        ControlFlow::Continue(())
+    });
+    assert!(rendered.expect("the device renders").finished);
+    assert!(portions_meanwhile > 0, "no portion ended while a checkpoint of 72 megabytes was written");
 }

@@ -1,9 +1,11 @@
 //! Devices that fail in the middle of a render, at each of their calls.
 
 use std::ops::ControlFlow;
+use std::path::Path;
 
 use raggio_render::{
-    Aov, Device, DeviceChoice, OpenOptions, Progress, RenderError, RenderRequest, Rendered, Rendering, open,
+    Aov, CpuDevice, CpuOptions, Device, DeviceChoice, DeviceGroup, Observer, OpenOptions, Progress, RenderError,
+    RenderRequest, Rendered, Rendering, open,
 };
 use raggio_vulkan::Fault;
 
@@ -27,7 +29,7 @@ fn vulkan() -> Option<Box<dyn Device>> {
 #[test]
 fn whichever_call_fails_the_film_is_saved() {
     let Some(device) = vulkan() else { return };
-    let context = device.vulkan().expect("it is one").clone();
+    let context = device.vulkan().expect("it is one");
     let mut scene = scene();
     (scene.render.width, scene.render.height, scene.render.samples) = (12, 10, 3);
     let render = |request: RenderRequest| -> Result<Rendered, RenderError> {
@@ -40,9 +42,11 @@ fn whichever_call_fails_the_film_is_saved() {
     let whole = render(with_layers(RenderRequest { label: true, ..RenderRequest::default() }))
         .expect("the device renders")
         .picture;
-    for fault in [Fault::OutOfMemory, Fault::NoMemory, Fault::Lost] {
+    for fault in [Fault::OutOfMemory, Fault::NoMemory, Fault::Lost, Fault::Gone] {
         let (mut overcome, mut saved) = (0, 0);
-        for call in 1.. {
+        // Opening a device that is gone is tried again after a while, and one that was lost compiles its kernels anew.
+        let step = if is_long || [Fault::OutOfMemory, Fault::NoMemory].contains(&fault) { 1 } else { 13 };
+        for call in (1..).step_by(step) {
             let folder = tempfile::tempdir().expect("a folder");
             let path = folder.path().join("a.checkpoint");
             context.pretend_fault(call, fault);
@@ -50,14 +54,15 @@ fn whichever_call_fails_the_film_is_saved() {
             let is_over = context.fault_is_due();
             context.pretend_fault(0, fault);
             let said = |error: String| {
-                let words = ["out of memory on the device", "the device was lost"][(fault == Fault::Lost) as usize];
+                let is_lost = [Fault::Lost, Fault::Gone].contains(&fault);
+                let words = ["out of memory on the device", "the device was lost"][usize::from(is_lost)];
                 assert!(error.contains(words), "call {call}: {error}");
             };
-            match outcome {
+            match &outcome {
                 Ok(Rendered { failure: None, picture, finished, .. }) => {
                     // Without memory for the last wait, all has been done nevertheless.
-                    assert!(is_over || fault != Fault::Lost, "call {call} was lost and nobody has noticed");
-                    assert!(finished && same(&picture, &whole), "call {call}: another picture");
+                    assert!(is_over || fault != Fault::Gone, "call {call} was lost and nobody has noticed");
+                    assert!(*finished && same(picture, &whole), "call {call}: another picture");
                     overcome += 1;
                 }
                 Ok(Rendered { failure: Some(error), checkpoint, picture, .. }) => {
@@ -71,6 +76,7 @@ fn whichever_call_fails_the_film_is_saved() {
                     assert!(!path.exists(), "call {call}: the checkpoint has a film, and there is no picture");
                 }
             }
+            drop(outcome);
             // Whatever it was, the same request makes the picture, from the checkpoint where there is one.
             let again = render(with_layers(request(&path))).expect("the device renders");
             assert!(again.failure.is_none() && same(&again.picture, &whole), "call {call}: another picture");
@@ -79,18 +85,101 @@ fn whichever_call_fails_the_film_is_saved() {
                 break;
             }
         }
-        // One call too many is made again; what lasts ends the render, and what there was is saved.
-        let is_once = fault == Fault::OutOfMemory;
-        let is_right = if is_once { overcome > 20 && saved == 0 } else { overcome < 4 && saved > 20 };
+        // One call too many is made again, and a device that was lost is opened again; what lasts ends the render, and what
+        // there was is saved.
+        let is_once = [Fault::OutOfMemory, Fault::Lost].contains(&fault);
+        let enough = 20 / step;
+        let is_right = if is_once { overcome > enough && saved == 0 } else { overcome < 4 && saved > enough };
         assert!(is_right, "{fault:?}: {saved} saved, {overcome} overcome");
     }
     assert_eq!(device.validation_messages(), Vec::<String>::new());
+}
 
-    // Without a checkpoint, a loss is the error that it is.
-    let rendering = Rendering::begin(&scene, &*device, RenderRequest::default()).expect("the scene loads");
-    let lost = rendering.run(&mut |_: &Progress| {
-        context.pretend_lost();
+/// A device that is lost at each of the portions that `is_lost` says; the others take their time.
+struct Losing<F> {
+    context: std::sync::Arc<raggio_vulkan::Device>,
+    portion: usize,
+    is_lost: F,
+    ear: Ear,
+}
+
+impl<F: Fn(usize) -> bool> Observer for Losing<F> {
+    fn warn(&mut self, warning: &str) {
+        self.ear.warn(warning);
+    }
+
+    fn saved(&mut self, path: &Path) {
+        self.ear.saved(path);
+    }
+
+    fn progress(&mut self, _: &Progress) -> ControlFlow<()> {
+        if (self.is_lost)(self.portion) {
+            self.context.pretend_lost();
+        }
+        self.portion += 1;
         ControlFlow::Continue(())
-    });
+    }
+}
+
+/// A device that is lost now and then is opened again each time; one that comes to nothing any more ends the render with what
+/// there is, and where there is nothing, with the error.
+#[test]
+fn a_lost_device_is_opened_again_so_often() {
+    let Some(device) = vulkan() else { return };
+    let context = device.vulkan().expect("it is one");
+    let mut scene = scene();
+    (scene.render.width, scene.render.height, scene.render.samples) = (12, 10, 5);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.checkpoint");
+    let run = |device: &dyn Device, request: RenderRequest, is_lost: fn(usize) -> bool| {
+        let mut losing = Losing { context: context.clone(), portion: 0, is_lost, ear: Ear::default() };
+        let rendering = Rendering::begin(&scene, device, request).expect("the scene loads");
+        (rendering.run(&mut losing), losing.ear.warnings)
+    };
+    let (whole, _) = run(&*device, RenderRequest { label: true, ..RenderRequest::default() }, |_| false);
+    let whole = whole.expect("the device renders").picture;
+
+    // Films that are gathered in between make it go on.
+    let (rendered, warnings) = run(&*device, request(&path), |portion| portion % 6 == 5);
+    let rendered = rendered.expect("the device renders");
+    assert!(rendered.failure.is_none() && same(&rendered.picture, &whole));
+    rendered.remove_checkpoints().expect("files can be removed");
+    drop(rendered);
+    assert!(warnings.len() > 1);
+    for warning in &warnings {
+        let words = "the device was lost: the driver reset it, or it went away: it was opened again, and the render goes on from ";
+        assert!(warning.starts_with(words) && warning.contains("sample"), "{warning}");
+    }
+
+    // Without anything gathered it begins anew, a few times.
+    let nothing = RenderRequest::default();
+    let (lost, warnings) = run(&*device, nothing.clone(), |_| true);
     assert!(lost.expect_err("the device is lost").to_string().contains("the device was lost"));
+    assert_eq!(warnings.len(), 3, "{warnings:?}");
+    assert!(warnings[0].ends_with("from 0 samples per pixel"), "{warnings:?}");
+    let (rendered, warnings) = run(&*device, nothing, |portion| portion < 2);
+    let film = rendered.expect("the device renders").picture.film;
+    assert!(film.pixels() == whole.film.pixels() && warnings.len() == 2, "{warnings:?}");
+
+    // With a checkpoint, what there is is saved, and another render goes on from it.
+    let (rendered, _) = run(&*device, request(&path), |portion| portion > 3);
+    let rendered = rendered.expect("a film");
+    assert!(rendered.failure.is_some() && rendered.checkpoint.as_deref() == Some(&*path) && !rendered.finished);
+    let samples = rendered.picture.film.samples();
+    assert!(samples > 0 && rendered.progress.total_samples == samples, "{:?}", rendered.progress);
+    drop(rendered);
+    let (rendered, _) = run(&*device, request(&path), |_| false);
+    let rendered = rendered.expect("the device renders");
+    assert!(same(&rendered.picture, &whole));
+    assert_eq!(device.validation_messages(), Vec::<String>::new());
+
+    // Others of a group do the work of the one that is lost for good.
+    let cpu = CpuDevice::new(CpuOptions::default()).expect("threads can be had");
+    let group = DeviceGroup::new(vec![device, Box::new(cpu)]);
+    let (rendered, warnings) = run(&group, RenderRequest::default(), |portion| portion % 2 == 1);
+    let rendered = rendered.expect("the CPU goes on");
+    assert!(rendered.finished && rendered.failure.is_none());
+    assert_eq!(rendered.picture.film.sample_range(), (5, 5));
+    assert!(warnings[0].contains("(vulkan:0): it was opened again, and the render goes on from "), "{warnings:?}");
+    assert!(warnings[1].contains("the others go on without ") && warnings.len() == 2, "{warnings:?}");
 }

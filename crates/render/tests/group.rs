@@ -176,19 +176,38 @@ fn work_is_shared_by_speed() {
 }
 
 #[test]
-fn nothing_is_read_after_a_failure() {
+fn the_others_take_the_samples_of_one_that_fails() {
     let failing = Slow { fails_at: Some(3), ..Slow::new("b", 1e-6) };
-    let group = DeviceGroup::new(vec![Box::new(Slow::new("a", 1e-6)), Box::new(failing)]);
+    let other = Slow::new("a", 1e-6);
+    let group = DeviceGroup::new(vec![Box::new(other.clone()), Box::new(failing)]);
     let rendering = Rendering::begin(&scene(), &group, RenderRequest::default()).expect("the render can begin");
+    let mut ear = Ear::default();
+    let rendered = rendering.run(&mut ear).expect("the other goes on");
+    assert!(rendered.finished && rendered.failure.is_none());
+    let [warning] = &ear.warnings[..] else { panic!("one warning: {:?}", ear.warnings) };
+    let words =
+        "it has fallen off: the others go on without b, for it cannot be opened again, and the render goes on from ";
+    assert!(warning.starts_with(words), "{warning}");
+    // What both had done is done once more, for the sums of one are lost.
+    let all = (WIDTH * HEIGHT * scene().render.samples) as usize;
+    assert!(other.samples() >= all, "{} of {all} samples", other.samples());
+}
+
+#[test]
+fn nothing_is_read_after_a_failure_of_all() {
+    let failing = |calls: [usize; 2]| {
+        let failing = |name, fails_at| Box::new(Slow { fails_at: Some(fails_at), ..Slow::new(name, 1e-6) });
+        DeviceGroup::new(vec![failing("a", calls[0]), failing("b", calls[1])])
+    };
+    let rendering =
+        Rendering::begin(&scene(), &failing([4, 3]), RenderRequest::default()).expect("the render can begin");
     let error = rendering.run(&mut Ear::default()).expect_err("the film is lost");
     assert_eq!(error.to_string(), "it has fallen off");
 
     // What a checkpoint has is the picture.
     let folder = tempfile::tempdir().expect("a folder");
-    let failing = Slow { fails_at: Some(9), ..Slow::new("b", 1e-6) };
-    let group = DeviceGroup::new(vec![Box::new(Slow::new("a", 1e-6)), Box::new(failing)]);
     let request = request(&folder.path().join("a.checkpoint"));
-    let rendering = Rendering::begin(&scene(), &group, request).expect("the render can begin");
+    let rendering = Rendering::begin(&scene(), &failing([12, 9]), request).expect("the render can begin");
     let rendered = rendering.run(&mut Ear::default()).expect("a checkpoint");
     assert!(!rendered.finished && rendered.checkpoint.is_some());
     assert_eq!(rendered.failure.expect("the reason").to_string(), "it has fallen off");

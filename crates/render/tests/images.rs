@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
-use raggio_render::{Display, Extras, Film, FilmPixel, Image, ImageFile, Metadata, PngBits, ToneMapper, show_bytes};
+use raggio_render::{
+    Channel, Display, Extras, Film, FilmPixel, Image, ImageFile, Metadata, PngBits, ToneMapper, Values, show_bytes,
+};
 use raggio_scene::Scene;
 
 /// A film of 3x2 pixels whose means are exact in 8 bits: 0 or 1 in each channel.
@@ -128,6 +130,45 @@ fn names_in_metadata_are_utf_8() {
     let value = &value[..u32::from_le_bytes(*length) as usize];
     assert_eq!(std::str::from_utf8(value), Ok(name));
     assert_eq!(Image::load(&path).expect("a picture"), film().mean());
+}
+
+/// Noise to the last bit, which cannot be deflated, beside what can be, in blocks of rows of which the last is not full.
+#[test]
+fn exr_files_hold_each_bit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.exr");
+    let (width, height) = (97, 43);
+    let mut state = 7u32;
+    let mut noise = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 3) ^ (state << 9)
+    };
+    let numbers: Vec<u32> = (0..width * height).map(|_| noise()).collect();
+    let row = |i: u32| i / width;
+    let depths: Vec<f32> = (0..width * height)
+        .map(|i| if (16..32).contains(&row(i)) { f32::from_bits(noise() & 0x7f7f_ffff) } else { row(i) as f32 })
+        .collect();
+    let pixels = depths.iter().map(|depth| [*depth, 1.0, -depth]).collect();
+    let image = Image { width, height, pixels, alpha: None };
+    let channels = vec![
+        Channel { name: "object_id.I".into(), values: Values::U32(numbers.clone()) },
+        Channel { name: "depth.Z".into(), values: Values::F32(depths.clone()) },
+    ];
+    let extras = Extras { channels, ..Extras::default() };
+    let file = ImageFile::new(&path).expect("a format");
+    file.write_image(&image, Display::default(), &extras).expect("the picture is written");
+    let bytes = std::fs::read(&path).expect("the file");
+    let read = exr::prelude::read_first_flat_layer_from_file(&path).expect("an EXR");
+    let channel = |name: &str| {
+        let found = read.layer_data.channel_data.list.iter().find(|channel| channel.name.to_string() == name);
+        found.expect("the channel").sample_data.clone()
+    };
+    assert!(channel("object_id.I") == exr::prelude::FlatSamples::U32(numbers));
+    assert!(channel("depth.Z") == exr::prelude::FlatSamples::F32(depths.clone()) && channel("R") == channel("depth.Z"));
+    assert!(channel("B") == exr::prelude::FlatSamples::F32(depths.iter().map(|depth| -depth).collect()));
+    assert!(bytes.len() < (width * height * 16) as usize, "{} bytes", bytes.len());
+    file.write_image(&image, Display::default(), &extras).expect("the picture is written");
+    assert!(std::fs::read(&path).expect("the file") == bytes);
 }
 
 /// Means are all that a front end keeps of a film; dim ones are below the steps of its sums.

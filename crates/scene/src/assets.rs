@@ -3,13 +3,14 @@
 mod cache;
 mod imported;
 
-use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use raggio_choice::endings;
 use raggio_images::{Bitmap, Image, ImageError, Limits, Problem};
-use raggio_models::{Format, LoadOptions, Model, Place};
+use raggio_models::{Animation, Format, GltfOptions, GltfSequence, LoadOptions, Model, ModelError, Place};
 
 use crate::names;
 use cache::{Cache, Depends, Key};
@@ -47,8 +48,12 @@ pub struct Assets {
     given_models: HashMap<PathBuf, Arc<Imported>>,
     /// Images that no file holds, by the paths at which scenes find them.
     given_images: HashMap<PathBuf, Arc<Picture>>,
+    /// glTF files of a sequence, which are posed anew for each frame, by their paths.
+    sequences: HashMap<PathBuf, GltfSequence>,
     /// Times at which models were read that are equal at every time, by their paths.
     still: HashMap<PathBuf, Option<f64>>,
+    /// Whether scenes are read at one moment after another.
+    moves_on: bool,
     /// Whether files have changed that no scene was made of since.
     is_stale: bool,
 }
@@ -90,6 +95,20 @@ impl Assets {
     /// Goes to another frame of a sequence, `seconds` after the first: scenes that are read from now on are at that moment.
     pub fn set_elapsed(&mut self, seconds: f64) {
         self.options.elapsed_seconds = Some(seconds);
+        self.moves_on = true;
+    }
+
+    /// Changes the time of all animations, as [`AssetOptions::time_seconds`] has it, for scenes that are read from now on.
+    pub fn set_time(&mut self, seconds: Option<f64>) {
+        self.moves_on |= self.options.time_seconds != seconds;
+        self.options.time_seconds = seconds;
+    }
+
+    /// Animations of the models that the last scene was made of, with the canonical paths of their files, in the order of these.
+    pub fn animations(&self) -> Vec<(&Path, &Animation)> {
+        // A file that is there at more than one moment has them all at each.
+        let models: BTreeMap<_, _> = self.models.entries().collect();
+        models.into_iter().flat_map(|(path, model)| model.animations.iter().map(move |it| (path, it))).collect()
     }
 
     /// The model at `path` at the first frame of the sequence, and at the moment of the options: the same for a still.
@@ -136,6 +155,7 @@ impl Assets {
         self.is_stale |= self.models.refresh();
         self.is_stale |= self.images.refresh();
         self.still.clear();
+        self.sequences.clear();
         self.is_stale
     }
 
@@ -159,10 +179,13 @@ impl Assets {
             Some(known) => *known,
             None => self.moment(time_seconds).filter(|_| format.is_animated()),
         };
+        let is_frame = self.moves_on && format.is_animated();
+        let sequences = &mut self.sequences;
         let model = self.models.get_or_read(Key::new(path.clone(), time_seconds), |path, earlier| {
             let most_bytes = budget(LoadOptions::default().most_bytes);
             let options = LoadOptions { time_seconds, allow_outside, most_bytes };
-            let model = raggio_models::load(path, &options);
+            let model =
+                if is_frame { in_sequence(sequences, path, &options) } else { raggio_models::load(path, &options) };
             let model =
                 model.map_err(|error| Trouble { place: error.place, message: names::escaped(&error.message) })?;
             let imported = Imported::new(model);
@@ -171,7 +194,8 @@ impl Assets {
                 None => imported,
             })
         })?;
-        if !model.is_animated {
+        if model.animations.is_empty() {
+            self.sequences.remove(&path);
             self.still.insert(path, time_seconds);
         }
         Ok(model)
@@ -209,6 +233,19 @@ pub(crate) struct Picture {
     pub bitmap: Arc<Bitmap>,
     /// Warnings, one sentence each, without the file's name.
     pub warnings: Vec<String>,
+}
+
+/// A model at the moment of the options, of a file that is kept open for those that follow.
+fn in_sequence(
+    sequences: &mut HashMap<PathBuf, GltfSequence>,
+    path: &Path,
+    options: &LoadOptions,
+) -> Result<Model, ModelError> {
+    let sequence = match sequences.entry(path.into()) {
+        Entry::Occupied(known) => known.into_mut(),
+        Entry::Vacant(place) => place.insert(GltfSequence::open(path, &GltfOptions::from(*options))?),
+    };
+    sequence.at(options.time_seconds)
 }
 
 /// Bytes that a file may take, of at most `most`: what is read is decoded in up to three times as much memory, and then

@@ -33,9 +33,13 @@ pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets, review
     let mut warnings = Vec::new();
     let files =
         &mut Files { folder, assets, review, troubles: HashMap::new(), warnings: Vec::new(), warned: HashSet::new() };
+    let before = review.count();
     keyframes::check(&file.camera, review, check_camera);
     let posed = keyframes::posed(&file.camera, files.assets.camera_seconds());
-    review.accept(check_camera(&posed));
+    // What is wrong at a keyframe is wrong at its moment too.
+    if review.count() == before {
+        review.accept(check_camera(&posed));
+    }
     let projection = review.accept(projection::projection(&posed));
     let environment = file.environment.as_ref().and_then(|file| review.accept(environment::environment(file, files)));
     let materials = materials::materials(&file.materials, files, &mut warnings);
@@ -193,7 +197,7 @@ fn stillness(camera: &CameraFile, shapes: &[ShapeFile], files: &mut Files<'_>) -
     let format = |mesh: &MeshFile| Format::of_path(Path::new(&mesh.file));
     let may_move = |mesh: &MeshFile| format(mesh).is_some_and(Format::is_animated);
     let AssetOptions { time_seconds, elapsed_seconds, .. } = *files.assets.options();
-    let mut moves = |mesh: &MeshFile| files.model(mesh, Vec::new()).is_ok_and(|model| model.is_animated);
+    let mut moves = |mesh: &MeshFile| files.model(mesh, Vec::new()).is_ok_and(|model| !model.animations.is_empty());
     let mut meshes = shapes.iter().enumerate().filter_map(|(index, shape)| Some((index, shape.mesh.as_ref()?)));
     if time_seconds.is_some() || elapsed_seconds.is_some() {
         let given = if elapsed_seconds.is_some() { "frames are asked for" } else { "a time is given" };

@@ -67,7 +67,8 @@ const KEYFRAME: Foreign = &[
     (&["to", "target", "lookto"], "look_at"),
     (&["fov", "fovy", "yfov", "fieldofview", "angle"], "vertical_fov_degrees"),
     (&["focaldistance", "focus"], "focus_distance"),
-    (&["up", "orthographicheight"], "keyframes have none: it is that of [camera] at all times"),
+    (&["upvector", "vup", "viewup"], "up"),
+    (&["orthographic", "orthoscale", "orthographicscale", "ymag"], "orthographic_height"),
 ];
 
 const INTRINSICS: Foreign = &[

@@ -55,8 +55,8 @@ pub use names::display_name;
 pub use raggio_choice::{Choice, UnknownName};
 pub use raggio_images::{Bitmap, Texels};
 pub use raggio_models::{
-    AlphaMode, Format as ModelFormat, Instance, Light, LightKind, Mesh, Model, ModelError, Part, Principled, Texture,
-    TextureFilter, Wrap,
+    AlphaMode, Animation, Format as ModelFormat, Instance, Light, LightKind, Mesh, Model, ModelError, Part, Principled,
+    Texture, TextureFilter, Wrap,
 };
 pub use scene::{
     Camera, Entry, Environment, Filter, Geometry, Integrator, Intrinsics, Material, Panorama, Placement, Projection,

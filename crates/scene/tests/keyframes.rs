@@ -51,6 +51,29 @@ fn a_sequence_begins_at_the_time() {
     assert_eq!(at(Some(2.5), -0.5), 2.0);
 }
 
+#[test]
+fn pictures_turn_and_parallel_rays_spread() {
+    let keys = "keyframes = [
+    { time = 0, up = [0, 2, 0] },
+    { time = 1, up = [5, 0, 0], orthographic_height = 4 },
+    { time = 3, orthographic_height = 2 },
+]
+";
+    let at = |interpolation: &str, seconds| {
+        let keys = format!("interpolation = \"{interpolation}\"\n{keys}");
+        let text = format!("{HEAD}{keys}{REST}").replace("vertical_fov_degrees = 40", "orthographic_height = 9");
+        let options = AssetOptions { time_seconds: Some(seconds), ..AssetOptions::default() };
+        Scene::parse_with(&text, "scene.toml".as_ref(), &mut Assets::new(options)).unwrap().camera
+    };
+    for interpolation in ["linear", "smooth"] {
+        let [first, middle, last] = [0.0, 0.5, 3.5].map(|seconds| at(interpolation, seconds));
+        assert_eq!([first.up, last.up], [Vec3::Y, Vec3::X]);
+        assert!((middle.up.normalize() - Vec3::new(1.0, 1.0, 0.0).normalize()).length() < 1e-6, "{}", middle.up);
+        let heights = [first, middle, at(interpolation, 2.0), last].map(|camera| camera.orthographic_height());
+        assert_eq!(heights, [4.0, 4.0, 3.0, 2.0].map(Some), "the camera's own counts for nothing");
+    }
+}
+
 /// Circles have no cubic of their own, but what is smooth is near them, and exact where a keyframe is.
 #[test]
 fn keyframes_are_joined_smoothly_unless_told_otherwise() {

@@ -116,7 +116,7 @@ const WRONG: &[(&str, &str)] = &[
     ("[camera]", "[camera]\ninterpolation = \"linear\""),
     ("[camera]", "[camera]\nkeyframes = [{ position = [0, 1, 3] }]"),
     ("[camera]", "[camera]\nkeyframes = [{ time = 0, position = [0, 1] }]"),
-    ("[camera]", "[camera]\nkeyframes = [{ time = 0, up = [0, 1, 0] }]"),
+    ("[camera]", "[camera]\nkeyframes = [{ time = 0, up = [0, 1] }]"),
     ("[camera]", "[camera]\nkeyframes = [{ time = -1, position = [0, 1, 3] }]"),
     ("[camera]", "[camera]\nkeyframes = { time = 0, position = [0, 1, 3] }"),
     ("version = 1", ""),

@@ -93,7 +93,7 @@ impl Opener {
             physical.draws && surface.is_none_or(|surface| surface.shows(physical))
         };
         if let Some(device) = tracing.vulkan().filter(|device| shows(device.physical())) {
-            return Ok(device.clone());
+            return Ok(device);
         }
         let mut able: Vec<_> =
             self.instance.devices()?.into_iter().filter(|p| p.missing.is_empty() && shows(p)).collect();

@@ -16,7 +16,9 @@ pub struct Device {
     pub(crate) physical: PhysicalDevice,
     // The allocator is freed by hand in `Drop`, before the device.
     allocator: ManuallyDrop<Arc<Mutex<Allocator>>>,
-    pub(crate) faults: Faults,
+    pub(crate) faults: Arc<Faults>,
+    /// Whether memory can be handed to other interfaces.
+    exports: bool,
     /// Limit on the bytes that a descriptor refers to, set by [`Device::pretend_small_bindings`].
     most_binding_bytes: AtomicU64,
     // Only one submission runs at a time: the lock is held while it is recorded and waited for.
@@ -33,6 +35,16 @@ pub(crate) struct Queue {
 impl Device {
     /// Opens `physical`; fails if it lacks what the kernels need.
     pub fn new(physical: &PhysicalDevice) -> Result<Arc<Self>, VulkanError> {
+        Self::open(physical, Arc::default())
+    }
+
+    /// Opens the device once more: one that was lost stays so.
+    pub fn reopen(&self) -> Result<Arc<Self>, VulkanError> {
+        self.faults.reopen()?;
+        Self::open(&self.physical, self.faults.clone())
+    }
+
+    fn open(physical: &PhysicalDevice, faults: Arc<Faults>) -> Result<Arc<Self>, VulkanError> {
         let instance = physical.instance();
         if !physical.missing.is_empty() {
             return Err(VulkanError::Unfit { name: physical.name.clone(), missing: physical.missing.join(", ") });
@@ -53,6 +65,8 @@ impl Device {
         if instance.presents {
             extensions.push(khr::swapchain::NAME);
         }
+        let exports = offered(khr::external_memory_fd::NAME);
+        extensions.push(khr::external_memory_fd::NAME);
         let extensions: Vec<_> = extensions.into_iter().filter(|name| offered(name)).map(CStr::as_ptr).collect();
         let info = vk::DeviceCreateInfo::default()
             .queue_create_infos(&queues)
@@ -78,7 +92,8 @@ impl Device {
                 raw,
                 physical: physical.clone(),
                 allocator: ManuallyDrop::new(Arc::new(Mutex::new(allocator))),
-                faults: Faults::default(),
+                faults,
+                exports,
                 most_binding_bytes: AtomicU64::new(u64::MAX),
                 queue: Mutex::new(queue),
             })),
@@ -100,6 +115,11 @@ impl Device {
         u64::from(self.physical.limits.max_storage_buffer_range)
             .min(self.physical.max_buffer_size)
             .min(self.most_binding_bytes.load(Ordering::Relaxed))
+    }
+
+    /// Whether memory can be handed to other interfaces.
+    pub fn exports_memory(&self) -> bool {
+        self.exports
     }
 
     /// Whether kernels can reach buffers by address.

@@ -90,6 +90,9 @@ pub enum VulkanError {
     /// The window system took back what was drawn into.
     #[error("the window can no longer be drawn into")]
     SurfaceLost,
+    /// CUDA cannot be handed memory of the device.
+    #[error("CUDA cannot be used: {0}")]
+    Cuda(String),
     /// Any other failure of a Vulkan call.
     #[error("{call} failed: {result}")]
     Call {

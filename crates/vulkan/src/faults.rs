@@ -8,15 +8,17 @@ use crate::error::VulkanError;
 /// Fault of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// The driver has reset the device, or it went away: every call from then on fails.
+    /// The driver has reset the device: every call from then on fails, until the device is opened again.
     Lost,
+    /// The device went away: every call from then on fails, and so does opening it again.
+    Gone,
     /// The device or the host has too little memory left for one call.
     OutOfMemory,
     /// There is too little memory for any call from then on.
     NoMemory,
 }
 
-/// Faults that are still to come.
+/// Faults that are still to come, also to the device once it is opened again.
 #[derive(Default)]
 pub(crate) struct Faults(Mutex<Pretended>);
 
@@ -31,6 +33,16 @@ struct Pretended {
 impl Faults {
     fn lock(&self) -> MutexGuard<'_, Pretended> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Fails where the device is to be gone; a reset is over.
+    pub fn reopen(&self) -> Result<(), VulkanError> {
+        let mut faults = self.lock();
+        if faults.lasting == Some(Fault::Gone) {
+            return Err(VulkanError::DeviceLost);
+        }
+        faults.lasting = faults.lasting.filter(|fault| *fault != Fault::Lost);
+        Ok(())
     }
 }
 
@@ -65,7 +77,7 @@ impl Device {
         faults.lasting = faults.lasting.or(now.filter(|fault| *fault != Fault::OutOfMemory));
         match faults.lasting.or(now) {
             None => Ok(()),
-            Some(Fault::Lost) => Err(VulkanError::DeviceLost),
+            Some(Fault::Lost | Fault::Gone) => Err(VulkanError::DeviceLost),
             Some(Fault::OutOfMemory | Fault::NoMemory) => Err(VulkanError::OutOfMemory(call.into())),
         }
     }

@@ -57,6 +57,8 @@ pub struct PhysicalDevice {
     pub driver: String,
     /// Kind of processor behind the device.
     pub kind: DeviceKind,
+    /// UUID of the device, which other interfaces have too.
+    pub uuid: [u8; 16],
     /// Bytes of the device's own memory.
     pub memory_bytes: u64,
     /// Whether kernels can reach buffers by address, and so more of them than `max_storage_buffer_range`.
@@ -183,8 +185,11 @@ impl Instance {
     fn describe(self: &Arc<Self>, index: usize, handle: vk::PhysicalDevice) -> PhysicalDevice {
         let mut driver = vk::PhysicalDeviceDriverProperties::default();
         let mut maintenance = vk::PhysicalDeviceMaintenance3Properties::default();
-        let mut properties =
-            vk::PhysicalDeviceProperties2::default().push_next(&mut driver).push_next(&mut maintenance);
+        let mut identity = vk::PhysicalDeviceIDProperties::default();
+        let mut properties = vk::PhysicalDeviceProperties2::default()
+            .push_next(&mut driver)
+            .push_next(&mut maintenance)
+            .push_next(&mut identity);
         let mut vulkan12 = vk::PhysicalDeviceVulkan12Features::default();
         let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut vulkan12);
         // SAFETY: `handle` came from this instance. Devices of Vulkan 1.0 ignore chained structures they do not know.
@@ -234,6 +239,7 @@ impl Instance {
                 vk::PhysicalDeviceType::CPU => DeviceKind::Software,
                 _ => DeviceKind::Other,
             },
+            uuid: identity.device_uuid,
             memory_bytes: own_heaps(&memory).map(|(_, heap)| heap.size).sum(),
             addresses: vulkan12.buffer_device_address == vk::TRUE,
             draws: drawing.is_some(),

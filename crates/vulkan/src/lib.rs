@@ -9,8 +9,12 @@ mod cache;
 #[cfg(feature = "window")]
 mod canvas;
 mod compute;
+#[cfg(target_os = "linux")]
+mod cuda;
 mod device;
 mod error;
+#[cfg(target_os = "linux")]
+mod exported;
 mod faults;
 #[cfg(feature = "window")]
 mod image;
@@ -25,8 +29,12 @@ pub use cache::{Compiler, PipelineCache};
 #[cfg(feature = "window")]
 pub use canvas::{Area, Canvas, Overlay, Picture, Pixels, Shown};
 pub use compute::{BindingSet, Module, Pipeline, SetLayout};
+#[cfg(target_os = "linux")]
+pub use cuda::{CudaMemory, SAMPLES_OFFSET, SUM_BYTES};
 pub use device::Device;
 pub use error::VulkanError;
+#[cfg(target_os = "linux")]
+pub use exported::ExportedBuffer;
 pub use faults::Fault;
 pub use instance::{DeviceKind, Instance, PhysicalDevice, STORAGE_BUFFERS};
 pub use passes::Passes;

@@ -173,6 +173,15 @@ impl<'a> Passes<'a> {
         unsafe { self.device.cmd_copy_buffer(self.commands, from.raw, to.raw, &region) };
     }
 
+    /// Copies all of a buffer to the place `at` of another, of at least that size, which was made elsewhere.
+    #[cfg(target_os = "linux")]
+    pub(crate) fn copy_out(&mut self, from: &'a Buffer, to: vk::Buffer, at: u64) {
+        self.begin(Kind::Transfer);
+        let region = [vk::BufferCopy::default().dst_offset(at).size(from.size())];
+        // SAFETY: as above; whoever calls sees to it that the other buffer lives and is large enough.
+        unsafe { self.device.cmd_copy_buffer(self.commands, from.raw, to, &region) };
+    }
+
     /// Fills a buffer with zeros.
     pub fn clear(&mut self, buffer: &'a Buffer) {
         self.begin(Kind::Transfer);

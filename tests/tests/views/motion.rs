@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use raggio_render::{DeviceScene, Feature};
-use raggio_scene::{Camera, Geometry, Intrinsics, Mesh, Panorama, Projection, Scene, rotation};
+use raggio_scene::{AssetOptions, Assets, Camera, Geometry, Intrinsics, Mesh, Panorama, Projection, Scene, rotation};
 use raggio_tests::geometry::{Ray, nearest};
 use raggio_tests::render::means;
 use raggio_tests::{for_each_device, parse};
@@ -110,6 +110,30 @@ fn check(scene: &Scene, earlier: &Scene, before: impl Fn(&Ray) -> Option<[DVec2;
         );
     });
     largest
+}
+
+/// A camera whose keyframes turn the picture and spread its parallel rays, at two moments.
+#[test]
+fn keyframes_turn_pictures_and_spread_parallel_rays() {
+    let keys = "orthographic_height = 4\n
+        keyframes = [{ time = 0, up = [0, 1, 0], orthographic_height = 5 }, { time = 2, up = [1, 1, 0], orthographic_height = 3 }]";
+    for interpolation in ["linear", "smooth"] {
+        let at = |seconds| {
+            let text = format!(
+                "version = 1\n[render]\nwidth = {WIDTH}\nheight = {HEIGHT}\n[camera]\nposition = [0, 1, 5]\n
+                 look_at = [0, 1, 0]\n{keys}\ninterpolation = \"{interpolation}\"\n
+                 [environment]\ncolor = [1, 1, 1]\n[materials.clay]\n{}",
+                shape("sphere = { center = [0.3, 1, 0], radius = 1.2 }")
+                    + &shape("plane = { point = [0, 0, -3], normal = [0, 0, 1] }")
+            );
+            let options = AssetOptions { time_seconds: Some(seconds), ..AssetOptions::default() };
+            Scene::parse_with(&text, "scene.toml".as_ref(), &mut Assets::new(options)).expect("the scene is right")
+        };
+        let [earlier, now] = [0.5, 0.75].map(at);
+        assert!(earlier.camera.up != now.camera.up && earlier.camera.half_height() > now.camera.half_height());
+        let largest = check_maps(&now, &earlier, &[STILL; 2]);
+        assert!(largest > 2.0, "{largest}");
+    }
 }
 
 /// Point that a ray meets first, and the shape that it belongs to.

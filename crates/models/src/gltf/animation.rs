@@ -11,6 +11,22 @@ use super::nodes::{Pose, rotation};
 use crate::error::Fault;
 use crate::text::quoted;
 
+/// Animations of the file, each from its first keyframe to its last; what is wrong with one is told when it is applied.
+pub(super) fn listed(asset: &Asset<'_>) -> Vec<crate::model::Animation> {
+    let listed = |animation: &Animation| {
+        let times = |sampler: &AnimationSampler| {
+            let (times, _) = asset.warnings.apart(|| asset.floats_as_stored::<1>(sampler.input, None, ""));
+            let times = times.unwrap_or_default().into_iter().map(|[time]| f64::from(time));
+            let times: Vec<_> = times.filter(|time| time.is_finite()).collect();
+            Some([*times.first()?, *times.last()?])
+        };
+        let spans = animation.samplers.iter().filter_map(times);
+        let seconds = spans.reduce(|[start, end], [from, to]| [start.min(from), end.max(to)]).unwrap_or_default();
+        crate::model::Animation { name: animation.name.clone(), seconds }
+    };
+    asset.document.animations.iter().map(listed).collect()
+}
+
 /// Moves the nodes to their places at `seconds`. Animations that move different things are applied together; among
 /// those that move one thing, the first counts.
 pub(super) fn apply(asset: &Asset<'_>, seconds: f64, pose: &mut Pose) -> Result<(), Fault> {

@@ -40,6 +40,13 @@ impl<'a> Asset<'a> {
         Ok(asset)
     }
 
+    /// The asset with buffers of its own.
+    pub(super) fn into_owned(self) -> Asset<'static> {
+        let Self { document, budget, warnings, buffers, decompressed } = self;
+        let buffers = buffers.into_iter().map(|bytes| bytes.map(|bytes| Cow::Owned(bytes.into_owned())));
+        Asset { document, budget, warnings, buffers: buffers.collect(), decompressed }
+    }
+
     fn decompress(&mut self) -> Result<(), Fault> {
         for (number, view) in self.document.buffer_views.iter().enumerate() {
             let Some(compressed) = &view.extensions.meshopt else { continue };

@@ -24,7 +24,10 @@ pub(super) struct Warnings {
 
 impl Warnings {
     pub(super) fn push(&self, message: impl Display) {
-        let message = escaped(&message.to_string());
+        self.tell(escaped(&message.to_string()));
+    }
+
+    fn tell(&self, message: String) {
         let (list, known) = &mut *self.told.borrow_mut();
         if known.contains(&message) {
         } else if list.len() == MOST_WARNINGS {
@@ -33,6 +36,24 @@ impl Warnings {
             known.insert(message.clone());
             list.push(message);
         }
+    }
+
+    /// Warnings so far.
+    pub(super) fn told(&self) -> Vec<String> {
+        self.told.borrow().0.clone()
+    }
+
+    /// Tells warnings once more, which have been [told](Self::told) before.
+    pub(super) fn repeat(&self, told: &[String]) {
+        told.iter().for_each(|message| self.tell(message.clone()));
+    }
+
+    /// Does `work`, and returns its warnings apart from all others.
+    pub(super) fn apart<T>(&self, work: impl FnOnce() -> T) -> (T, Vec<String>) {
+        let before = self.told.take();
+        let done = work();
+        let (warnings, _) = self.told.replace(before);
+        (done, warnings)
     }
 
     /// All warnings, in the order of their first mention.
@@ -50,6 +71,7 @@ impl Warnings {
 ///
 /// A few bytes of a document can ask for any amount: by accessors without data, by meshes that share one buffer, by
 /// compression. So the sum of everything that is made of a file is bounded by a multiple of its size.
+#[derive(Clone)]
 pub(super) struct Budget {
     left: Cell<u64>,
 }

@@ -13,15 +13,26 @@ use super::mesh::RestMesh;
 use super::nodes::{self, Place, Pose};
 use super::pose;
 use crate::error::Fault;
-use crate::mesh::Dropped;
+use crate::mesh::{Dropped, Mesh};
 use crate::model::{Camera, Instance, Light, LightKind, Model, Projection};
 use crate::text::counted;
+
+/// Meshes that neither skins nor morph targets change, by glTF's numbers: `None` where nothing is left.
+#[derive(Default)]
+pub(super) struct StillMeshes(HashMap<usize, StillMesh>);
+
+struct StillMesh {
+    mesh: Option<Arc<Mesh>>,
+    dropped: Dropped,
+    warnings: Vec<String>,
+}
 
 /// Fills a model, node by node.
 pub(super) struct Builder<'a> {
     asset: &'a Asset<'a>,
     pose: &'a Pose,
     worlds: &'a [DAffine3],
+    still: &'a mut StillMeshes,
     model: Model,
     /// Indices of the model's meshes by glTF's and the bits of the morph weights; `None` where nothing is left.
     shared: HashMap<(usize, Vec<u32>), Option<usize>>,
@@ -31,9 +42,14 @@ pub(super) struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    pub(super) fn new(asset: &'a Asset<'a>, pose: &'a Pose, worlds: &'a [DAffine3]) -> Self {
+    pub(super) fn new(
+        asset: &'a Asset<'a>,
+        pose: &'a Pose,
+        worlds: &'a [DAffine3],
+        still: &'a mut StillMeshes,
+    ) -> Self {
         let (model, dropped) = (Model::default(), Dropped::default());
-        Self { asset, pose, worlds, model, shared: HashMap::new(), dropped, flat: 0 }
+        Self { asset, pose, worlds, still, model, shared: HashMap::new(), dropped, flat: 0 }
     }
 
     pub(super) fn add_node(&mut self, number: usize) -> Result<(), Fault> {
@@ -74,7 +90,8 @@ impl<'a> Builder<'a> {
             }
             // Skins say where vertices are in the world, whatever the node's own transform.
             let matrices = pose::joint_matrices(self.asset, skin, self.worlds)?;
-            let mesh = self.load_mesh(mesh, &weights, Some((&matrices, &self.worlds[number])))?;
+            let (mesh, dropped) = self.load_mesh(mesh, &weights, Some((&matrices, &self.worlds[number])))?;
+            let mesh = self.keep(mesh, dropped);
             self.instantiate(node.name.as_str().into(), mesh, DAffine3::IDENTITY);
             return Ok(());
         }
@@ -82,9 +99,11 @@ impl<'a> Builder<'a> {
         let mesh = match self.shared.get(&key) {
             Some(mesh) => *mesh,
             None => {
-                let loaded = self.load_mesh(mesh, &weights, None)?;
-                self.shared.insert(key, loaded);
-                loaded
+                let (loaded, dropped) =
+                    if weights.is_empty() { self.still_mesh(mesh)? } else { self.load_mesh(mesh, &weights, None)? };
+                let kept = self.keep(loaded, dropped);
+                self.shared.insert(key, kept);
+                kept
             }
         };
         let name: Arc<str> = node.name.as_str().into();
@@ -109,12 +128,34 @@ impl<'a> Builder<'a> {
         weights.filter(|weights| weights.iter().any(|weight| *weight != 0.0)).cloned().unwrap_or_default()
     }
 
+    /// A mesh at rest, decoded when it is first asked for.
+    fn still_mesh(&mut self, number: usize) -> Result<(Option<Arc<Mesh>>, Dropped), Fault> {
+        if !self.still.0.contains_key(&number) {
+            let (loaded, warnings) = self.asset.warnings.apart(|| self.load_mesh(number, &[], None));
+            let (mesh, dropped) = loaded?;
+            self.still.0.insert(number, StillMesh { mesh, dropped, warnings });
+        }
+        let StillMesh { mesh, dropped, warnings } = &self.still.0[&number];
+        self.asset.warnings.repeat(warnings);
+        Ok((mesh.clone(), *dropped))
+    }
+
+    /// Adds a mesh to the model, and returns its index there.
+    fn keep(&mut self, mesh: Option<Arc<Mesh>>, dropped: Dropped) -> Option<usize> {
+        self.dropped.degenerate += dropped.degenerate;
+        self.dropped.not_finite += dropped.not_finite;
+        self.dropped.repeated += dropped.repeated;
+        self.dropped.attributes += dropped.attributes;
+        self.model.meshes.push(mesh?);
+        Some(self.model.meshes.len() - 1)
+    }
+
     fn load_mesh(
-        &mut self,
+        &self,
         number: usize,
         weights: &[f32],
         skin: Option<(&[DAffine3], &DAffine3)>,
-    ) -> Result<Option<usize>, Fault> {
+    ) -> Result<(Option<Arc<Mesh>>, Dropped), Fault> {
         let mut rest = RestMesh::load(self.asset, number)?;
         pose::morph(self.asset, &mut rest, weights)?;
         if let Some((joints, node)) = skin {
@@ -122,15 +163,8 @@ impl<'a> Builder<'a> {
         }
         let mut mesh = rest.mesh;
         let dropped = mesh.clean("").map_err(|error| at(format!("meshes[{number}]"), error.message))?;
-        self.dropped.degenerate += dropped.degenerate;
-        self.dropped.not_finite += dropped.not_finite;
-        self.dropped.repeated += dropped.repeated;
-        self.dropped.attributes += dropped.attributes;
-        if mesh.triangles.is_empty() {
-            return Ok(None);
-        }
-        self.model.meshes.push(Arc::new(mesh));
-        Ok(Some(self.model.meshes.len() - 1))
+        let is_empty = mesh.triangles.is_empty();
+        Ok(((!is_empty).then(|| Arc::new(mesh)), dropped))
     }
 
     fn instantiate(&mut self, name: Arc<str>, mesh: Option<usize>, model_from_mesh: DAffine3) {

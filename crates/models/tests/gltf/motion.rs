@@ -1,9 +1,12 @@
 //! Animations, morph targets, skins.
 
+use std::sync::Arc;
+
 use glam::DVec3;
+use raggio_models::{GltfOptions, GltfSequence, LoadOptions, Model, load};
 use serde_json::json;
 
-use crate::gltf::builder::{Builder, CORNERS, I8, U8, assert_close};
+use crate::gltf::builder::{Builder, CORNERS, I8, U8, assert_close, png};
 
 /// The triangle's node with a property animated by two keys at 1 and 3 seconds.
 fn animated(path: &str, interpolation: &str, kind: &str, values: &[f32]) -> Builder {
@@ -261,4 +264,57 @@ fn joints_are_checked_and_meshes_may_lack_them() {
     let mut builder = skinned();
     builder.json["meshes"][0]["primitives"][0]["attributes"] = json!({ "POSITION": 0 });
     assert_eq!(builder.mesh().positions[0], [77.0, 0.0, 0.0]);
+}
+
+/// The file as it is at each moment when it is read anew, from one that is kept open.
+#[test]
+fn sequences_are_stills_one_after_the_other() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut moving = animated("translation", "LINEAR", "VEC3", &[1.0, 0.0, 0.0, 2.0, 0.0, 0.0]);
+    moving.push("materials", json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }));
+    moving.push("textures", json!({ "source": 0 }));
+    moving.push("images", json!({ "uri": "texels.png" }));
+    moving.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    // Warnings of each kind: of the mesh, its material and the scene.
+    moving.attribute("UNKNOWN", 0);
+    moving.json["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"] = json!(3);
+    moving.push("nodes", json!({ "mesh": 0, "scale": [0, 0, 0] }));
+    let mut morphing = morphed();
+    animate(&mut morphing, "weights", "LINEAR", "SCALAR", &[0.0, 0.0, 1.0, 0.5]);
+    let mut walking = skinned();
+    animate(&mut walking, "translation", "LINEAR", "VEC3", &[0.0, 0.0, 0.0, 2.0, 0.0, 0.0]);
+    walking.json["animations"][0]["channels"][0]["target"]["node"] = json!(2);
+    walking.push("nodes", json!({ "mesh": 0 }));
+    for (name, builder) in [("moving", moving), ("morphing", morphing), ("walking", walking)] {
+        for (ending, bytes) in [("gltf", builder.gltf()), ("glb", builder.glb())] {
+            let path = folder.path().join(format!("{name}.{ending}"));
+            std::fs::write(&path, bytes).expect("a file");
+            let texels = folder.path().join("texels.png");
+            std::fs::write(&texels, png(&[[1, 2, 3, 255]])).expect("a file");
+            let times = [None, Some(0.0), Some(1.5), Some(2.5), Some(2.0), Some(1.5)];
+            let still = |time_seconds| load(&path, &LoadOptions { time_seconds, ..LoadOptions::default() }).unwrap();
+            let expected = times.map(still);
+            let mut sequence = GltfSequence::open(&path, &GltfOptions::default()).unwrap();
+            let mut models: Vec<Model> = vec![];
+            for time in times {
+                models.push(sequence.at(time).unwrap());
+                // Nothing is read again.
+                let _ = std::fs::remove_file(&texels).and_then(|()| std::fs::write(&path, "no glTF any more"));
+            }
+            for ((time, found), expected) in times.iter().zip(&models).zip(&expected) {
+                assert_eq!(found, expected, "{name}.{ending} at {time:?}");
+            }
+            let still_mesh = |model: &Model| model.meshes.last().cloned().expect("a mesh");
+            if name != "morphing" {
+                assert!(models.iter().all(|model| Arc::ptr_eq(&still_mesh(model), &still_mesh(&models[0]))));
+            } else {
+                assert!(models[2].meshes != models[3].meshes);
+            }
+            if name == "moving" {
+                let image = |model: &Model| model.materials[0].surface.base_color_texture.clone().unwrap().image;
+                assert!(models.iter().all(|model| Arc::ptr_eq(&image(model), &image(&models[0]))));
+                assert!(models[0].warnings.len() >= 4, "{:?}", models[0].warnings);
+            }
+        }
+    }
 }

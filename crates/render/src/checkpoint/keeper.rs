@@ -2,14 +2,18 @@
 
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use raggio_scene::display_name;
 
-use super::{Checkpoint, CheckpointError, Checkpoints, Every};
+use super::lock::{Lock, NoLock};
+use super::{Checkpoint, CheckpointError, Checkpoints, Every, Gathered, SamplingState};
+use crate::pictures::file_faults::Writing;
 use crate::pictures::film::FilmError;
 use crate::pictures::output_file::{appended, place_of, write_free, write_keeping};
 use crate::renderer::Progress;
+use crate::request::Observer;
 
 /// Seconds that a render has to take, at least, for being long.
 const LONG: f64 = 60.0;
@@ -22,18 +26,45 @@ pub(crate) struct Keeper {
     place: PathBuf,
     /// Whether the files are this render's: it has written them, or goes on from them.
     owns: bool,
+    /// Checkpoint that is being written, of this state.
+    writing: Option<(SamplingState, Writing<io::Result<()>>)>,
+    /// State of the last that was written.
+    written: Option<SamplingState>,
     /// Moment and samples of the last that was written, or of the beginning.
     last: (Instant, u32),
     /// Words of the last failure, which are not to be said each minute.
     failure: Option<String>,
+    /// Lock that keeps other renders from these files; it goes last.
+    _lock: Option<Lock>,
 }
 
 impl Keeper {
-    /// Keeper of checkpoints at a place that can be written to.
-    pub fn new(wanted: &Checkpoints) -> Result<Self, CheckpointError> {
+    /// Keeper of checkpoints at a place that can be written to, and that no other render keeps any at. `warn` hears where
+    /// nobody can tell.
+    pub fn new(wanted: &Checkpoints, warn: &mut dyn FnMut(String)) -> Result<Self, CheckpointError> {
         let place = place_of(&wanted.path)
             .map_err(|source| CheckpointError::Unwritable { path: wanted.path.clone(), source })?;
-        Ok(Self { wanted: wanted.clone(), place, owns: false, last: (Instant::now(), 0), failure: None })
+        let lock = match Lock::take(&appended(&place, ".lock")) {
+            Ok(lock) => Some(lock),
+            Err(NoLock::Taken(by)) => return Err(CheckpointError::InUse { path: wanted.path.clone(), by }),
+            Err(NoLock::Unknown(error)) => {
+                let path = display_name(&wanted.path);
+                warn(format!(
+                    "{path} cannot be locked ({error}): see to it that no other render keeps its checkpoint there"
+                ));
+                None
+            }
+        };
+        Ok(Self {
+            wanted: wanted.clone(),
+            place,
+            owns: false,
+            writing: None,
+            written: None,
+            last: (Instant::now(), 0),
+            failure: None,
+            _lock: lock,
+        })
     }
 
     /// Path of the checkpoint, as it was given.
@@ -104,7 +135,7 @@ impl Keeper {
             Every::Seconds(seconds) => moment.elapsed().as_secs_f64() >= seconds,
             Every::Samples(count) => progress.samples.saturating_sub(samples) >= count,
         };
-        due && self.is_worth_it(progress)
+        due && self.writing.is_none() && self.is_worth_it(progress)
     }
 
     /// Whether the render takes long enough for checkpoints, as far as its rate tells.
@@ -112,38 +143,67 @@ impl Keeper {
         !self.wanted.only_long || progress.seconds > LONG * progress.fraction
     }
 
-    /// Writes a checkpoint and keeps the one before. A failure, of which `warn` hears once, leaves both as they were.
-    /// Returns whether it has been written.
-    pub fn save(&mut self, checkpoint: &Checkpoint, samples: u32, warn: &mut dyn FnMut(&str)) -> bool {
-        let written = write_keeping(&self.place, &self.previous(), &|to| checkpoint.write_to(to));
-        self.begin(samples);
+    /// Writes a checkpoint on a thread of its own, and keeps the one before; the last that was begun has to have ended.
+    pub fn begin_writing(&mut self, gathered: Arc<Gathered>, observer: &mut dyn Observer) {
+        let (place, previous) = (self.place.clone(), self.previous());
+        let state = gathered.state.clone();
+        self.begin(gathered.progress.samples);
+        match Writing::begin(move || write_keeping(&place, &previous, &|to| gathered.write_to(to))) {
+            Ok(writing) => self.writing = Some((state, writing)),
+            Err(error) => self.conclude(state, Err(error), observer),
+        }
+    }
+
+    /// Tells what has become of the checkpoint that is being written, once it has ended.
+    pub fn look_after(&mut self, observer: &mut dyn Observer) {
+        if self.writing.as_ref().is_some_and(|(_, writing)| writing.has_ended()) {
+            self.finish_writing(observer);
+        }
+    }
+
+    /// Waits for the checkpoint that is being written.
+    pub fn finish_writing(&mut self, observer: &mut dyn Observer) {
+        if let Some((state, writing)) = self.writing.take() {
+            self.conclude(state, writing.end(), observer);
+            // The next is due so long after the end, whatever the writing took.
+            self.last.0 = Instant::now();
+        }
+    }
+
+    /// A failure, of which `observer` hears once, has left the files as they were.
+    fn conclude(&mut self, state: SamplingState, written: io::Result<()>, observer: &mut dyn Observer) {
         match written {
             Ok(()) => {
                 self.owns = true;
-                self.failure = None;
-                true
+                (self.failure, self.written) = (None, Some(state));
+                observer.saved(self.path());
             }
             Err(error) => {
                 let failure = error.to_string();
                 if self.failure.as_ref() != Some(&failure) {
-                    warn(&format!("no checkpoint could be written to {}: {failure}", display_name(self.path())));
+                    let path = display_name(self.path());
+                    observer.warn(&format!("no checkpoint could be written to {path}: {failure}"));
                 }
                 self.failure = Some(failure);
-                false
             }
         }
     }
 
-    /// Writes a checkpoint to one of `folders`, the first that takes it, for its own place does not. Returns its path.
-    pub fn save_elsewhere(&self, checkpoint: &Checkpoint, folders: &[PathBuf]) -> Option<PathBuf> {
-        let name = Path::new(self.place.file_name()?);
-        folders.iter().find_map(|folder| write_free(folder, name, &|to| checkpoint.write_to(to)).ok())
+    /// Writes a checkpoint, unless it is the last that was, and waits for it. Returns whether it is there.
+    pub fn save(&mut self, gathered: &Arc<Gathered>, observer: &mut dyn Observer) -> bool {
+        self.finish_writing(observer);
+        let is_there = |keeper: &Self| keeper.written.as_ref() == Some(&gathered.state);
+        if !is_there(self) {
+            self.begin_writing(gathered.clone(), observer);
+            self.finish_writing(observer);
+        }
+        is_there(self)
     }
 
-    /// The newest of the checkpoints that this render has written.
-    pub fn newest(&self) -> Option<Checkpoint> {
-        let own = |place: &Path| read(place, place).ok().flatten();
-        if self.owns { own(&self.place).or_else(|| own(&self.previous())) } else { None }
+    /// Writes a checkpoint to one of `folders`, the first that takes it, for its own place does not. Returns its path.
+    pub fn save_elsewhere(&self, gathered: &Gathered, folders: &[PathBuf]) -> Option<PathBuf> {
+        let name = Path::new(self.place.file_name()?);
+        folders.iter().find_map(|folder| write_free(folder, name, &|to| gathered.write_to(to)).ok())
     }
 
     /// Removes what this render has written: nothing of it is needed any more.
@@ -158,6 +218,15 @@ impl Keeper {
             }
         }
         Ok(())
+    }
+}
+
+impl Drop for Keeper {
+    fn drop(&mut self) {
+        // Nobody else may write there before this has ended.
+        if let Some((_, writing)) = self.writing.take() {
+            let _ = writing.end();
+        }
     }
 }
 

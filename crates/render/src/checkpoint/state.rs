@@ -1,10 +1,8 @@
 //! State of sampling, as films keep it in a note.
 
-use std::io;
 use std::ops::Range;
 use std::path::Path;
 
-use crate::pictures::file_faults::Sink;
 use crate::pictures::film::{Film, FilmError, Note};
 
 /// A film with the state of its sampling.
@@ -45,11 +43,6 @@ pub(crate) struct AdaptiveState {
 }
 
 impl Checkpoint {
-    /// Writes the film with its state to an open file.
-    pub fn write_to(&self, to: &mut Sink) -> io::Result<()> {
-        self.film.write_to(to, &[self.state.note()])
-    }
-
     /// Reads a checkpoint; `None` for a film that is none.
     ///
     /// # Errors

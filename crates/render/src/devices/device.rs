@@ -24,8 +24,9 @@ pub trait Device: Send + Sync {
         vec![]
     }
 
-    /// Vulkan device behind this one, if there is one: windows are fastest on the same.
-    fn vulkan(&self) -> Option<&Arc<raggio_vulkan::Device>> {
+    /// Vulkan device behind this one, if there is one: windows are fastest on the same. It is another once the device was lost
+    /// and has been opened again.
+    fn vulkan(&self) -> Option<Arc<raggio_vulkan::Device>> {
         None
     }
 
@@ -33,10 +34,10 @@ pub trait Device: Send + Sync {
     /// compile kernels. Returns at once, and says nothing of errors: whoever needs it hears of them.
     fn compile_ahead(&self, _scene: &DeviceScene, _features: &[Feature]) {}
 
-    /// Makes `scene` resident, with an empty film.
+    /// Makes `scene` resident, with an empty film. A device that was lost is opened again.
     ///
     /// # Errors
-    /// A [`DeviceError`] when the scene's indices are wrong, or the device has no memory for it.
+    /// A [`DeviceError`] when the scene's indices are wrong, the device has no memory for it, or fails.
     fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError>;
 }
 
@@ -99,8 +100,21 @@ pub trait Session: Send {
     /// gone.
     fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError>;
 
-    /// Gives up memory that only [`Session::restart`] could need again, which should not follow: it would take longer.
+    /// Gives up memory that only [`Session::restart`] could need again, which should not follow: it would take longer. What may
+    /// be lost is asked for no such thing.
     fn settle(&mut self) {}
+
+    /// Begins anew with `scene` after a failure: what was lost is opened again, or the others of several devices go on without
+    /// it. Films have no samples, no block rests, and the reference is gone. Returns what has been done, in words. After an
+    /// error nothing but this can follow.
+    fn revive(&mut self, _scene: &DeviceScene) -> Result<String, DeviceError> {
+        Err(DeviceError::Host("it cannot be opened again".into()))
+    }
+
+    /// Whether what the session holds may be lost from one moment to the next.
+    fn may_be_lost(&self) -> bool {
+        false
+    }
 
     /// Sets the image that films of radiance are [compared](Display::comparison) with from now on, resized to the
     /// film's size; `None` takes it away.
@@ -119,6 +133,13 @@ pub trait Session: Send {
 
     /// The film as it is now.
     fn film(&self) -> Result<Film, DeviceError>;
+
+    /// Means of the film of radiance, three floats a pixel, for CUDA on the same device; `None` where that cannot be without a
+    /// way through the host.
+    #[cfg(target_os = "linux")]
+    fn means_in_cuda(&self) -> Result<Option<raggio_vulkan::CudaMemory>, DeviceError> {
+        Ok(None)
+    }
 
     /// Evaluates one function of the kernels for many arguments: see `Probe` in `kernels/entry/probe.slang`.
     fn ask(&mut self, probe: Probe, questions: &[Question]) -> Result<Vec<Answer>, DeviceError>;
@@ -162,6 +183,11 @@ pub enum DeviceError {
 }
 
 impl DeviceError {
+    /// Whether the device was lost: all that it held is gone.
+    pub fn is_lost(&self) -> bool {
+        matches!(self, Self::Vulkan(VulkanError::DeviceLost))
+    }
+
     /// Whether the device has too little memory left for what it was to do: less may fit.
     pub fn is_out_of_memory(&self) -> bool {
         matches!(self, Self::Vulkan(VulkanError::OutOfMemory(_) | VulkanError::NoRoom { .. }))

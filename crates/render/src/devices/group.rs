@@ -43,8 +43,11 @@ impl Device for DeviceGroup {
 
     fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
         let sessions = at_once(&self.devices, |device| device.load(scene))?;
-        let members = sessions.into_iter().zip(&self.devices);
-        let members = members.map(|(session, device)| Member { name: device.name(), session, rate: None }).collect();
+        let members = sessions.into_iter().zip(&self.devices).map(|(session, device)| {
+            let name = device.name();
+            Member { name, session, rate: None, has_failed: false, failures: 0 }
+        });
+        let members = members.collect();
         let (width, height) = (scene.work.width, scene.work.height);
         Ok(Box::new(GroupSession { members, width, height, feature: Feature::Radiance, broken: None }))
     }
@@ -65,6 +68,10 @@ struct Member {
     session: Box<dyn Session>,
     /// Samples per second as lately measured.
     rate: Option<f64>,
+    /// Whether it has failed since all began anew.
+    has_failed: bool,
+    /// Number of times that it has failed.
+    failures: u32,
 }
 
 /// Samples of rows.
@@ -74,6 +81,8 @@ struct Piece {
     samples: Range<u32>,
 }
 
+/// Failures of a member after which the others go on without it.
+const MOST_FAILURES: u32 = 2;
 /// Weight of the last measurement of a device's speed beside those before.
 const NEWEST: f64 = 0.5;
 /// Shortest time that says something about a device's speed, in seconds.
@@ -89,7 +98,11 @@ impl Member {
             let affordable = self.rate.map_or(f64::INFINITY, |rate| rate * self.session.patience_seconds() / pixels);
             for first in samples.clone().step_by(affordable.clamp(1.0, f64::from(u32::MAX)) as usize) {
                 let end = samples.end.min(first.saturating_add(affordable.max(1.0) as u32));
-                self.session.add_samples(rows.clone(), first..end)?;
+                match self.session.add_samples(rows.clone(), first..end) {
+                    // Less of it may fit.
+                    Err(error) if error.is_out_of_memory() => self.add_row_by_row(rows.clone(), first..end)?,
+                    added => added?,
+                }
             }
             total += pixels * samples.len() as f64;
         }
@@ -99,6 +112,30 @@ impl Member {
             self.rate = Some(self.rate.map_or(measured, |rate| rate + NEWEST * (measured - rate)));
         }
         Ok(())
+    }
+
+    fn add_row_by_row(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError> {
+        for row in rows {
+            for sample in samples.clone() {
+                self.session.add_samples(row..row + 1, sample..sample + 1)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Begins anew with `scene`, opened again where it was lost. Returns what has been done about a failure, in words.
+    fn begin_anew(&mut self, scene: &DeviceScene) -> Result<Option<String>, DeviceError> {
+        let has_failed = std::mem::take(&mut self.has_failed);
+        let restart = |session: &mut dyn Session| session.restart(scene).and_then(|()| session.show(Feature::Radiance));
+        if !has_failed && restart(&mut *self.session).is_ok() {
+            return Ok(None);
+        }
+        self.failures += 1;
+        if self.failures >= MOST_FAILURES {
+            return Err(DeviceError::Host("it has failed before".into()));
+        }
+        let done = self.session.revive(scene)?;
+        Ok(Some(format!("{}: {done}", self.name)))
     }
 }
 
@@ -167,8 +204,12 @@ impl Session for GroupSession {
         let (count, width) = (rows.len() as u32, self.width);
         let parts = divide(rows, samples, &self.shares());
         let work: Vec<_> = self.members.iter_mut().zip(parts).collect();
-        let added =
-            at_once(work, |(member, pieces)| member.add(&pieces, width).map_err(|error| (member.name.clone(), error)));
+        let added = at_once(work, |(member, pieces)| {
+            member.add(&pieces, width).map_err(|error| {
+                member.has_failed = true;
+                (member.name.clone(), error)
+            })
+        });
         added.map(|_| count).map_err(|(name, error)| {
             self.broken = Some(name);
             error
@@ -185,16 +226,42 @@ impl Session for GroupSession {
         self.sessions().try_for_each(|session| session.rest(blocks))
     }
 
-    fn settle(&mut self) {
-        self.sessions().for_each(|session| session.settle());
-    }
-
     fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
         // Until all have the scene, none of them is any use.
         self.broken = Some("a device".into());
         at_once(&mut self.members, |member| member.session.restart(scene))?;
         (self.width, self.height, self.broken) = (scene.work.width, scene.work.height, None);
         Ok(())
+    }
+
+    fn revive(&mut self, scene: &DeviceScene) -> Result<String, DeviceError> {
+        self.broken = Some("a device".into());
+        let members = std::mem::take(&mut self.members);
+        let begun = at_once(members, |mut member| Ok::<_, DeviceError>((member.begin_anew(scene), member)))?;
+        if begun.iter().all(|(begun, _)| begun.is_err()) {
+            let (failures, members): (Vec<_>, _) = begun.into_iter().unzip();
+            self.members = members;
+            let failure = failures.into_iter().find_map(Result::err);
+            return Err(failure.unwrap_or_else(|| DeviceError::Host("there is no device".into())));
+        }
+        let mut done = vec![];
+        for (begun, member) in begun {
+            match begun {
+                Ok(words) => {
+                    done.extend(words);
+                    self.members.push(member);
+                }
+                Err(error) => done.push(format!("the others go on without {}, for {error}", member.name)),
+            }
+        }
+        (self.width, self.height) = (scene.work.width, scene.work.height);
+        (self.feature, self.broken) = (Feature::Radiance, None);
+        Ok(if done.is_empty() { "all devices begin anew".into() } else { done.join(", ") })
+    }
+
+    fn may_be_lost(&self) -> bool {
+        // With any of its members.
+        true
     }
 
     fn set_reference(&mut self, reference: Option<&Image>) -> Result<(), DeviceError> {

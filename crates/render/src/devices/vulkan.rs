@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 use std::ops::Range;
-use std::path::Path;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 
 use raggio_kernels::{
@@ -14,6 +14,8 @@ use raggio_scene::Integrator;
 use raggio_vulkan::{
     BindingSet, Buffer, Device as VulkanContext, Location, Module, PhysicalDevice, Pipeline, SetLayout, VulkanError,
 };
+#[cfg(target_os = "linux")]
+use raggio_vulkan::{CudaMemory, ExportedBuffer};
 
 use crate::devices::adaptive::Blocks;
 use crate::devices::device::{Answer, Device, DeviceError, Question, Session, sampling};
@@ -23,6 +25,14 @@ use crate::pictures::display::{Display, Pixels, reference_pixels};
 use crate::pictures::film::Film;
 use crate::pictures::linear_image::Image;
 use crate::translation::device_scene::DeviceScene;
+
+#[cfg(target_os = "linux")]
+const _: () = {
+    assert!(size_of::<FilmPixel>() as u64 == raggio_vulkan::SUM_BYTES);
+    assert!(std::mem::offset_of!(FilmPixel, samples) as u64 == raggio_vulkan::SAMPLES_OFFSET);
+    assert!(std::mem::offset_of!(FilmPixel, red) == 0 && std::mem::offset_of!(FilmPixel, green) == 12);
+    assert!(std::mem::offset_of!(FilmPixel, blue) == 24);
+};
 
 // `raggio devices` calls a device fit by this number.
 const _: () = assert!(SCENE_BINDINGS.len() + 4 <= raggio_vulkan::STORAGE_BUFFERS as usize);
@@ -34,8 +44,15 @@ const BAND_BYTES: u64 = 64 << 20;
 
 /// A GPU, or a software Vulkan driver.
 pub struct VulkanDevice {
-    kernels: Arc<Kernels>,
-    ahead: Arc<Ahead>,
+    hardware: Arc<Hardware>,
+}
+
+/// A device, which is opened again where it was lost.
+struct Hardware {
+    kernels: Mutex<Arc<Kernels>>,
+    /// Folder in which compiled kernels are kept.
+    cache: Option<PathBuf>,
+    ahead: Ahead,
 }
 
 /// Device and kernels, which all sessions share.
@@ -64,9 +81,9 @@ impl VulkanDevice {
         if let Some(newer) = &physical.outdated {
             return Err(VulkanError::Unfit { name: physical.name.clone(), missing: newer.clone() }.into());
         }
-        let device = Self::with_store(VulkanContext::new(physical)?, &SPIRV, cache)?;
+        let device = Self::with_cache(VulkanContext::new(physical)?, &SPIRV, cache)?;
         // A driver that refuses all kernels is refused at once. Others take seconds, and only scenes tell which are needed.
-        device.kernels.pipeline(EntryPoint::Display, Variant::SIMPLE)?;
+        device.hardware.kernels().pipeline(EntryPoint::Display, Variant::SIMPLE)?;
         Ok(device)
     }
 
@@ -75,60 +92,50 @@ impl VulkanDevice {
     /// # Errors
     /// A [`DeviceError::Vulkan`] when the driver refuses the kernels.
     pub fn with_kernels(context: Arc<VulkanContext>, spirv: &Spirv) -> Result<Self, DeviceError> {
-        let device = Self::with_store(context, spirv, None)?;
+        let device = Self::with_cache(context, spirv, None)?;
         // Kernels that the driver refuses are refused at once, and nobody waits for them later.
-        device.kernels.pipeline(EntryPoint::Path, Variant::SIMPLE)?;
+        device.hardware.kernels().pipeline(EntryPoint::Path, Variant::SIMPLE)?;
         Ok(device)
     }
 
-    fn with_store(context: Arc<VulkanContext>, spirv: &Spirv, cache: Option<&Path>) -> Result<Self, DeviceError> {
-        let store = Store::new(&context, spirv, cache)?;
-        let kernels = Kernels { context, spirv: spirv.clone(), compiled: Default::default(), store };
-        Ok(Self { kernels: Arc::new(kernels), ahead: Arc::default() })
+    fn with_cache(context: Arc<VulkanContext>, spirv: &Spirv, cache: Option<&Path>) -> Result<Self, DeviceError> {
+        let kernels = Mutex::new(Kernels::new(context, spirv, cache)?);
+        let cache = cache.map(Path::to_path_buf);
+        Ok(Self { hardware: Arc::new(Hardware { kernels, cache, ahead: Ahead::default() }) })
     }
 
     /// The open device, which windows share.
-    pub fn context(&self) -> &Arc<VulkanContext> {
-        &self.kernels.context
+    pub fn context(&self) -> Arc<VulkanContext> {
+        self.hardware.kernels().context.clone()
     }
 }
 
-impl Device for VulkanDevice {
-    fn name(&self) -> String {
-        let physical = self.context().physical();
-        format!("{} (vulkan:{})", physical.name, physical.index)
+impl Hardware {
+    fn lock(&self) -> MutexGuard<'_, Arc<Kernels>> {
+        self.kernels.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn validation_messages(&self) -> Vec<String> {
-        self.context().physical().instance().validation_messages()
+    fn kernels(&self) -> Arc<Kernels> {
+        self.lock().clone()
     }
 
-    fn vulkan(&self) -> Option<&Arc<VulkanContext>> {
-        Some(self.context())
-    }
-
-    fn compile_ahead(&self, scene: &DeviceScene, features: &[Feature]) {
-        let (variant, clear) = (self.kernels.variant(&scene.buffers), clear(&scene.buffers));
-        let mut wanted: Vec<Kernel> = vec![];
-        for feature in features {
-            let kernel = Kernel::sampling(scene.settings.integrator, *feature, variant, clear);
-            if wanted.iter().all(|other| other.entry != kernel.entry) {
-                wanted.push(kernel);
-            }
+    /// Kernels on the device that is opened again, unless somebody else has done so since `lost` were in use.
+    fn renew(&self, lost: &Arc<Kernels>) -> Result<Arc<Kernels>, DeviceError> {
+        let mut kernels = self.lock();
+        if Arc::ptr_eq(&kernels, lost) {
+            *kernels = Kernels::new(lost.context.reopen()?, &lost.spirv, self.cache.as_deref())?;
         }
-        self.kernels.compile_ahead(&self.ahead, wanted);
+        Ok(kernels.clone())
     }
 
-    fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
-        scene.buffers.check()?;
-        let kernels = self.kernels.clone();
+    fn load(self: &Arc<Self>, kernels: Arc<Kernels>, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
         let resident = kernels.upload(&scene.buffers, None)?;
         let resting = kernels.resting(&[])?;
         let films = Films::new(kernels.film(&scene.work, &resting)?);
         let (work, integrator) = (scene.work, scene.settings.integrator);
         Ok(Box::new(VulkanSession {
+            hardware: self.clone(),
             kernels,
-            ahead: self.ahead.clone(),
             work,
             integrator,
             resident,
@@ -140,7 +147,50 @@ impl Device for VulkanDevice {
     }
 }
 
+impl Device for VulkanDevice {
+    fn name(&self) -> String {
+        let context = self.context();
+        let physical = context.physical();
+        format!("{} (vulkan:{})", physical.name, physical.index)
+    }
+
+    fn validation_messages(&self) -> Vec<String> {
+        self.context().physical().instance().validation_messages()
+    }
+
+    fn vulkan(&self) -> Option<Arc<VulkanContext>> {
+        Some(self.context())
+    }
+
+    fn compile_ahead(&self, scene: &DeviceScene, features: &[Feature]) {
+        let kernels = self.hardware.kernels();
+        let (variant, clear) = (kernels.variant(&scene.buffers), clear(&scene.buffers));
+        let mut wanted: Vec<Kernel> = vec![];
+        for feature in features {
+            let kernel = Kernel::sampling(scene.settings.integrator, *feature, variant, clear);
+            if wanted.iter().all(|other| other.entry != kernel.entry) {
+                wanted.push(kernel);
+            }
+        }
+        kernels.compile_ahead(&self.hardware.ahead, wanted);
+    }
+
+    fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
+        scene.buffers.check()?;
+        let kernels = self.hardware.kernels();
+        match self.hardware.load(kernels.clone(), scene) {
+            Err(error) if error.is_lost() => self.hardware.load(self.hardware.renew(&kernels)?, scene),
+            loaded => loaded,
+        }
+    }
+}
+
 impl Kernels {
+    fn new(context: Arc<VulkanContext>, spirv: &Spirv, cache: Option<&Path>) -> Result<Arc<Self>, DeviceError> {
+        let store = Store::new(&context, spirv, cache)?;
+        Ok(Arc::new(Self { context, spirv: spirv.clone(), compiled: Default::default(), store }))
+    }
+
     /// The kernels of `variant` and their layout. Layouts of variants that are not wide are one layout to Vulkan.
     fn module(&self, variant: Variant) -> Result<&Arc<Module>, DeviceError> {
         let place = &self.compiled[variant.index()].module;
@@ -307,8 +357,8 @@ struct Output {
 }
 
 struct VulkanSession {
+    hardware: Arc<Hardware>,
     kernels: Arc<Kernels>,
-    ahead: Arc<Ahead>,
     work: Work,
     integrator: Integrator,
     resident: Resident,
@@ -360,7 +410,7 @@ impl Session for VulkanSession {
             return self.prepare();
         }
         let display = Kernel { entry: EntryPoint::Display, constant: 0, variant: Variant::SIMPLE };
-        self.kernels.compile_ahead(&self.ahead, [kernel, display]);
+        self.kernels.compile_ahead(&self.hardware.ahead, [kernel, display]);
         Ok(())
     }
 
@@ -426,10 +476,6 @@ impl Session for VulkanSession {
         Ok(())
     }
 
-    fn settle(&mut self) {
-        self.resident.scene.mesh_nodes = Arc::default();
-    }
-
     fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
         scene.buffers.check_after(&self.resident.scene)?;
         self.resident = self.kernels.upload(&scene.buffers, Some(&self.resident))?;
@@ -445,6 +491,24 @@ impl Session for VulkanSession {
         self.work = scene.work;
         self.integrator = scene.settings.integrator;
         Ok(())
+    }
+
+    fn revive(&mut self, scene: &DeviceScene) -> Result<String, DeviceError> {
+        let kernels = self.hardware.renew(&self.kernels)?;
+        // What was on the device before goes first, for two of each may be more than fits.
+        let resting = kernels.resting(&[])?;
+        (self.output, self.reference) = (None, None);
+        self.films = Films::new(vec![]);
+        self.resident = kernels.upload(&SceneBuffers::default(), None)?;
+        (self.kernels, self.resting) = (kernels, resting);
+        self.resident = self.kernels.upload(&scene.buffers, None)?;
+        self.films = Films::new(self.kernels.film(&scene.work, &self.resting)?);
+        (self.work, self.integrator) = (scene.work, scene.settings.integrator);
+        Ok("it was opened again".into())
+    }
+
+    fn may_be_lost(&self) -> bool {
+        true
     }
 
     fn set_reference(&mut self, reference: Option<&Image>) -> Result<(), DeviceError> {
@@ -491,6 +555,23 @@ impl Session for VulkanSession {
             pixels.extend(bytemuck::allocation::pod_collect_to_vec::<u8, FilmPixel>(&band.film.read()?));
         }
         Ok(Film::from_pixels(self.work.width, self.work.height, pixels))
+    }
+
+    #[cfg(target_os = "linux")]
+    fn means_in_cuda(&self) -> Result<Option<CudaMemory>, DeviceError> {
+        let context = &self.kernels.context;
+        if !context.exports_memory() || self.films.feature() != Feature::Radiance || !CudaMemory::knows(context) {
+            return Ok(None);
+        }
+        let bands = self.films.shown();
+        let bytes = bands.iter().map(|band| band.film.size()).sum();
+        let exported = ExportedBuffer::new(context, "a film for CUDA", bytes)?;
+        let mut place = 0;
+        for band in bands {
+            exported.copy_from(&band.film, place)?;
+            place += band.film.size();
+        }
+        Ok(Some(CudaMemory::means_of(&exported)?))
     }
 
     fn ask(&mut self, probe: Probe, questions: &[Question]) -> Result<Vec<Answer>, DeviceError> {

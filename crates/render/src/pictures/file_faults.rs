@@ -1,8 +1,10 @@
 //! Faults of the disk that a test asks for.
 
 use std::cell::Cell;
+use std::fmt;
 use std::fs::File;
 use std::io::{self, Write};
+use std::thread::JoinHandle;
 
 thread_local! {
     /// Steps of writing on this thread until one fails; 0: none will.
@@ -19,6 +21,42 @@ pub fn pretend_file_fault(step: u64) {
 /// Whether a fault that [`pretend_file_fault`] has asked for on this thread is still to come.
 pub fn file_fault_is_due() -> bool {
     STEPS_LEFT.get() > 0
+}
+
+/// Files that another thread writes.
+pub(crate) struct Writing<T>(JoinHandle<(T, u64)>);
+
+impl<T: Send + 'static> Writing<T> {
+    /// Has `write` write files on a thread of its own, whose faults those of this thread are until it has ended.
+    ///
+    /// # Errors
+    /// The system's error when there is no thread to be had.
+    pub fn begin(write: impl FnOnce() -> T + Send + 'static) -> io::Result<Self> {
+        let steps = STEPS_LEFT.get();
+        let thread = std::thread::Builder::new().name("writing".into()).spawn(move || {
+            STEPS_LEFT.set(steps);
+            (write(), STEPS_LEFT.get())
+        });
+        Ok(Self(thread?))
+    }
+
+    /// Whether it has ended.
+    pub fn has_ended(&self) -> bool {
+        self.0.is_finished()
+    }
+
+    /// Waits for its end, and returns what came of it.
+    pub fn end(self) -> T {
+        let (done, steps) = self.0.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        STEPS_LEFT.set(steps);
+        done
+    }
+}
+
+impl<T> fmt::Debug for Writing<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Writing")
+    }
 }
 
 /// Fails where a test has asked for it.

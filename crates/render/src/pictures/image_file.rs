@@ -3,11 +3,11 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use exr::prelude::{AnyChannel, AnyChannels, AttributeValue, FlatSamples, Text, WritableImage};
 use raggio_scene::display_name;
 
-use crate::pictures::aov::{Channel, Values};
+use crate::pictures::aov::Channel;
 use crate::pictures::display::{Display, Shown, shown, shown_16_bits};
+use crate::pictures::exr_file::write_exr;
 use crate::pictures::film::{Film, Note};
 use crate::pictures::fingerprint;
 use crate::pictures::format::PictureFormat;
@@ -211,55 +211,4 @@ pub fn encode_png(image: &Image, display: Display) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     encode_8_bits([image.width, image.height], &shown(&Film::from_image(image), display), None, &mut bytes)?;
     Ok(bytes)
-}
-
-fn write_exr(mean: &Image, extras: &Extras, fingerprint: Option<&str>, to: &mut io::Cursor<Vec<u8>>) -> io::Result<()> {
-    let (width, height) = (mean.width as usize, mean.height as usize);
-    let color = |i: usize| FlatSamples::F32(mean.pixels.iter().map(|pixel| pixel[i]).collect());
-    let colors = ["R", "G", "B"].into_iter().enumerate().map(|(i, name)| AnyChannel::new(name, color(i)));
-    let alpha = mean.alpha.iter().map(|alpha| AnyChannel::new("A", FlatSamples::F32(alpha.clone())));
-    let others = extras.channels.iter().map(|channel| {
-        let samples = match &channel.values {
-            Values::F32(values) => FlatSamples::F32(values.clone()),
-            Values::U32(values) => FlatSamples::U32(values.clone()),
-        };
-        AnyChannel::new(channel.name.as_str(), samples)
-    });
-    let channels = AnyChannels::sort(colors.chain(alpha).chain(others).collect());
-    let mut image = exr::prelude::Image::from_channels((width, height), channels);
-    let attributes = &mut image.layer_data.attributes;
-    attributes.software_name = Some(concat!("raggio ", env!("CARGO_PKG_VERSION")).into());
-    if let Some(metadata) = &extras.metadata {
-        metadata.describe(attributes);
-    }
-    if let Some(fingerprint) = fingerprint {
-        attributes.other.insert(Text::from(fingerprint::NAME), AttributeValue::Text(Text::from(fingerprint)));
-    }
-    image.layer_data.encoding.compression = exr::prelude::Compression::ZIP16;
-    // Otherwise blocks are written in the order in which threads compress them, and no two files are the same.
-    image.layer_data.encoding.line_order = exr::prelude::LineOrder::Increasing;
-    image.write().to_buffered(&mut *to).map_err(io::Error::other)?;
-    sort_attributes(to.get_mut());
-    Ok(())
-}
-
-/// Orders the attributes of an OpenEXR file of one part by their names: the library writes ours in another order each
-/// time. Pixels stay where they are.
-fn sort_attributes(file: &mut [u8]) {
-    // Attributes begin after the magic number and the version; each has a name and a type that end with a zero, a
-    // length and a value.
-    const FIRST: usize = 8;
-    let mut end = FIRST;
-    let mut attributes = vec![];
-    while file[end] != 0 {
-        let start = end;
-        for _ in 0..2 {
-            end += file[end..].iter().take_while(|&&byte| byte != 0).count() + 1;
-        }
-        let length = u32::from_le_bytes([file[end], file[end + 1], file[end + 2], file[end + 3]]);
-        end += 4 + length as usize;
-        attributes.push(file[start..end].to_vec());
-    }
-    attributes.sort_unstable();
-    file[FIRST..end].copy_from_slice(&attributes.concat());
 }

@@ -182,6 +182,16 @@ pub(crate) fn write_keeping(place: &Path, kept: &Path, write: &dyn Fn(&mut Sink)
     }
 }
 
+/// Has the file at `path` removed where the program ends at once.
+pub(crate) fn remember_unfinished(path: &Path) {
+    unfinished().insert(path.into());
+}
+
+/// Leaves the file at `path` to whoever has asked for [`remember_unfinished`].
+pub(crate) fn forget_unfinished(path: &Path) {
+    unfinished().remove(path);
+}
+
 /// Removes what there is of files that are being written, for a program that ends at once. Whoever is writing one waits
 /// for that end.
 pub fn abandon_files() {

@@ -9,6 +9,7 @@ use crate::pictures::film::{Label, Portion};
 use crate::translation::device_scene::DeviceScene;
 
 /// Label of a film that is made when somebody asks for it: it takes a hash of the whole scene.
+#[derive(Clone)]
 pub(crate) struct LateLabel {
     identity: Arc<Identity>,
     settings: Vec<(String, String)>,

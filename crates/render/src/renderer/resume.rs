@@ -8,7 +8,8 @@ use raggio_kernels::Feature;
 use super::{Adaptive, Course, Renderer};
 use crate::checkpoint::{AdaptiveState, Checkpoint, CheckpointError, SamplingState};
 use crate::devices::adaptive::Blocks;
-use crate::pictures::film::{FilmError, MergeError};
+use crate::devices::device::DeviceError;
+use crate::pictures::film::{Film, FilmError, MergeError};
 
 impl Renderer {
     /// State of the sampling of the film that is shown, from which [`Renderer::resume`] goes on.
@@ -53,32 +54,45 @@ impl Renderer {
                 [state.first..state.pass.end, self.samples.clone()].map(|range| [range.start, range.end]);
             return Err(CheckpointError::Samples { path: path.into(), found, wanted });
         }
-        let adaptive = match (&self.adaptive, &state.adaptive) {
-            (None, None) => None,
-            (Some(Adaptive { noise, .. }), Some(AdaptiveState { judgement, error, resting })) => {
-                let blocks = Blocks::from_words(self.width, self.height, resting.clone()).ok_or_else(damaged)?;
-                let active = blocks.active_pixels(0..self.height);
-                Some(Adaptive { noise: *noise, blocks, active, judgement: *judgement, error: *error })
-            }
-            _ => return Err(damaged().into()),
-        };
+        let adaptive = self.adaptive_of(state).ok_or_else(damaged)?;
+        if self.late_label_at(&state.pass, state.row).make().portions() != label.portions() {
+            return Err(damaged().into());
+        }
         self.show(Feature::Radiance)?;
-        let course = Course {
+        Ok(self.go_on(film, state, adaptive)?)
+    }
+
+    /// Adaptive sampling as `state` has it, if this renderer samples so; `None` where the state is not one of such a picture.
+    pub(super) fn adaptive_of(&self, state: &SamplingState) -> Option<Option<Adaptive>> {
+        match (&self.adaptive, &state.adaptive) {
+            (None, None) => Some(None),
+            (Some(Adaptive { noise, .. }), Some(AdaptiveState { judgement, error, resting })) => {
+                let blocks = Blocks::from_words(self.width, self.height, resting.clone())?;
+                let active = blocks.active_pixels(0..self.height);
+                Some(Some(Adaptive { noise: *noise, blocks, active, judgement: *judgement, error: *error }))
+            }
+            _ => None,
+        }
+    }
+
+    /// Goes on from the sums of `film`, whose sampling is in `state`, in the film of radiance, which is shown.
+    pub(super) fn go_on(
+        &mut self,
+        film: &Film,
+        state: &SamplingState,
+        adaptive: Option<Adaptive>,
+    ) -> Result<(), DeviceError> {
+        self.session.set_film(film)?;
+        if let Some(adaptive) = &adaptive {
+            self.session.rest(Some(&adaptive.blocks))?;
+        }
+        *self.courses.shown_mut() = Course {
             pass: state.pass.clone(),
             row: state.row,
             sampling: Duration::try_from_secs_f64(state.seconds).unwrap_or_default(),
             total: state.total,
             ..Course::new(self.height, self.samples.start, self.rate(), 0.0)
         };
-        let before = std::mem::replace(self.courses.shown_mut(), course);
-        if self.label().portions() != label.portions() {
-            *self.courses.shown_mut() = before;
-            return Err(damaged().into());
-        }
-        self.session.set_film(film)?;
-        if let Some(adaptive) = &adaptive {
-            self.session.rest(Some(&adaptive.blocks))?;
-        }
         self.adaptive = adaptive;
         Ok(())
     }

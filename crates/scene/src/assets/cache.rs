@@ -109,6 +109,11 @@ impl<T: Depends> Cache<T> {
         self.entries.keys().map(|key| key.path.as_path())
     }
 
+    /// Contents with the paths of their files.
+    pub(super) fn entries(&self) -> impl Iterator<Item = (&Path, &T)> {
+        self.entries.iter().map(|(key, entry)| (key.path.as_path(), &*entry.value))
+    }
+
     pub(super) fn values(&self) -> impl Iterator<Item = &T> {
         self.entries.values().map(|entry| &*entry.value)
     }

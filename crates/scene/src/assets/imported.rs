@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
-use raggio_models::{Camera, Instance, Light, Mesh, Model, Principled};
+use raggio_models::{Animation, Camera, Instance, Light, Mesh, Model, Principled};
 
 use super::cache::Depends;
 use crate::counts::counted;
@@ -20,8 +20,8 @@ pub(crate) struct Imported {
     pub materials: Vec<(String, Arc<Principled>)>,
     pub lights: Vec<Light>,
     pub cameras: Vec<Camera>,
-    /// Whether the file has animations.
-    pub is_animated: bool,
+    /// Animations of the file.
+    pub animations: Vec<Animation>,
     /// Files that the model's own names and that were opened, by their canonical paths.
     pub files: Vec<PathBuf>,
     /// Paths at which such files were looked for in vain.
@@ -36,7 +36,7 @@ pub(crate) struct Imported {
 
 impl Imported {
     pub(super) fn new(model: Model) -> Self {
-        let Model { meshes, mut instances, materials, mut lights, is_animated, cameras, files, missing, mut warnings } =
+        let Model { meshes, mut instances, materials, mut lights, animations, cameras, files, missing, mut warnings } =
             model;
         let bounds: Vec<Bounds> = meshes.iter().map(|mesh| Bounds::of(mesh)).collect();
         let in_file = instances.len();
@@ -70,7 +70,7 @@ impl Imported {
             materials,
             lights,
             cameras,
-            is_animated,
+            animations,
             files,
             missing,
             warnings,
@@ -83,7 +83,7 @@ impl Imported {
     /// devices then keep what they hold of these.
     pub(super) fn sharing(mut self, earlier: &Self) -> Self {
         for (mesh, known) in self.meshes.iter_mut().zip(&earlier.meshes) {
-            if mesh == known {
+            if !Arc::ptr_eq(mesh, known) && mesh == known {
                 *mesh = known.clone();
             }
         }

@@ -1,5 +1,6 @@
 //! The camera at a moment, as its keyframes have it.
 
+use super::{dvec3, first_given};
 use crate::curve::{Curve, Interpolation};
 use crate::fault::{Fault, Step, steps};
 use crate::file::{CameraFile, KeyframeFile};
@@ -20,14 +21,28 @@ pub(super) fn posed(file: &CameraFile, seconds: f64) -> CameraFile {
     let mut posed = file.clone();
     posed.position = vector(|keyframe| keyframe.position).unwrap_or(file.position);
     posed.look_at = vector(|keyframe| keyframe.look_at).unwrap_or(file.look_at);
+    // Between directions of unequal lengths the longer would count the more.
+    let up = curve(file, |keyframe| keyframe.up.map(|up| dvec3(up).normalize_or_zero().to_array()));
+    posed.up = up.map_or(file.up, |curve| curve.at(seconds, interpolation).map(Coordinate));
     // Numbers between two that are in range are in range.
     let fov = number(|keyframe| keyframe.vertical_fov_degrees.map(f64::from)).map(FieldOfView);
     posed.vertical_fov_degrees = fov.or(file.vertical_fov_degrees);
+    let height = number(|keyframe| keyframe.orthographic_height.map(f64::from)).map(Positive);
+    posed.orthographic_height = height.filter(|_| other_kind(file).is_none()).or(file.orthographic_height);
     let radius = number(|keyframe| keyframe.aperture_radius.map(f64::from)).map(NonNegative);
     posed.aperture_radius = radius.unwrap_or(file.aperture_radius);
     posed.focus_distance =
         number(|keyframe| keyframe.focus_distance.map(f64::from)).map(Positive).or(file.focus_distance);
     posed
+}
+
+/// Key by which the camera is of another kind than an orthographic one, if it has one.
+fn other_kind(file: &CameraFile) -> Option<&'static str> {
+    first_given(&[
+        ("vertical_fov_degrees", file.vertical_fov_degrees.is_some()),
+        ("intrinsics", file.intrinsics.is_some()),
+        ("panorama", file.panorama.is_some()),
+    ])
 }
 
 /// Whether the camera is not the same at all times.
@@ -65,6 +80,15 @@ pub(super) fn check(file: &CameraFile, review: &Review, check: impl Fn(&CameraFi
             review.object(Fault::value(steps!["camera", "keyframes", index], message));
         }
     }
+    if let Some(kind) =
+        other_kind(file).filter(|_| keyframes.iter().any(|keyframe| keyframe.orthographic_height.is_some()))
+    {
+        let message = format!(
+            "`orthographic_height` in [camera.keyframes] needs an orthographic camera: give [camera] an \
+             `orthographic_height` in place of its `{kind}`"
+        );
+        review.object(Fault::key(steps!["camera", "keyframes"], message));
+    }
     if review.count() > before {
         return;
     }
@@ -93,10 +117,19 @@ fn check_order(index: usize, earlier: &KeyframeFile, keyframe: &KeyframeFile) ->
 }
 
 fn is_empty(keyframe: &KeyframeFile) -> bool {
-    let KeyframeFile { time: _, position, look_at, vertical_fov_degrees, aperture_radius, focus_distance } = keyframe;
-    position.is_none()
-        && look_at.is_none()
+    let KeyframeFile {
+        time: _,
+        position,
+        look_at,
+        up,
+        vertical_fov_degrees,
+        orthographic_height,
+        aperture_radius,
+        focus_distance,
+    } = keyframe;
+    [position, look_at, up].iter().all(|point| point.is_none())
         && vertical_fov_degrees.is_none()
+        && orthographic_height.is_none()
         && aperture_radius.is_none()
         && focus_distance.is_none()
 }

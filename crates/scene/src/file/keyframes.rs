@@ -20,8 +20,12 @@ pub(crate) struct KeyframeFile {
     pub position: Option<Point>,
     /// The point in the middle of the picture.
     pub look_at: Option<Point>,
+    /// The direction that points up in the picture, whatever its length.
+    pub up: Option<Point>,
     /// Angle between the picture's top and bottom edges, greater than 0 and less than 180.
     pub vertical_fov_degrees: Option<FieldOfView>,
+    /// Height of the picture in the scene's units, for an orthographic camera.
+    pub orthographic_height: Option<Positive>,
     /// Radius of the lens.
     pub aperture_radius: Option<NonNegative>,
     /// Distance of the plane in focus.

@@ -69,6 +69,29 @@ position = [0, 4, 0]
 scene.toml:12:1: at keyframe 3, `up` in [camera] is parallel to the viewing direction: `up = [0, 0, 1]` would do",
     ),
     (
+        "directions that point nowhere",
+        "version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+keyframes = [{ time = 0, up = [0, 0, 0] }, { time = 1, up = [0, 0, -3] }]
+",
+        "scene.toml:6:14: at keyframe 1, `up` in [camera] is zero: `up = [0, 1, 0]` would do
+scene.toml:6:44: at keyframe 2, `up` in [camera] is parallel to the viewing direction: `up = [0, 1, 0]` would do",
+    ),
+    (
+        "the height of another kind of camera",
+        "version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+keyframes = [{ time = 0, orthographic_height = 3 }, { time = 1, orthographic_height = 2 }]
+",
+        "scene.toml:6:1: `orthographic_height` in [camera.keyframes] needs an orthographic camera: give [camera] an `orthographic_height` in place of its `vertical_fov_degrees`",
+    ),
+    (
         "a way between no keyframes",
         "version = 1
 [camera]

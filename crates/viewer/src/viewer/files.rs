@@ -144,7 +144,7 @@ impl Viewer {
     /// Traces with the kernels as they are now in their files; the old ones stay if these are wrong.
     pub(crate) fn follow_kernels(&mut self) -> Result<(), ViewError> {
         let Some(compiled) = self.kernels.as_mut().and_then(KernelWatch::poll) else { return Ok(()) };
-        let Some(context) = self.tracer.device().vulkan().cloned() else { return Ok(()) };
+        let Some(context) = self.tracer.device().vulkan() else { return Ok(()) };
         self.notices.mended();
         match compiled {
             Ok(spirv) => {
@@ -161,7 +161,7 @@ impl Viewer {
     /// A device like `device`, with the kernels as they were last compiled.
     pub(crate) fn with_kernels(&self, device: Box<dyn Device>) -> Result<Box<dyn Device>, ViewError> {
         match (&self.spirv, device.vulkan()) {
-            (Some(spirv), Some(context)) => Ok(Box::new(VulkanDevice::with_kernels(context.clone(), spirv)?)),
+            (Some(spirv), Some(context)) => Ok(Box::new(VulkanDevice::with_kernels(context, spirv)?)),
             _ => Ok(device),
         }
     }
