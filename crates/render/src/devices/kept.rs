@@ -3,6 +3,7 @@
 //! A file has the pipelines of one device, driver and set of kernels, and what it is for is in its name. Nothing here is an
 //! error: a folder that cannot be written to costs time alone, and a file that is not whole is as good as none.
 
+use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -30,15 +31,17 @@ const MOST_FILES: usize = 8;
 /// Folder in which compiled kernels are kept: `RAGGIO_CACHE_DIR` or, without it, the `raggio` in the user's folder of caches.
 /// `None` where there is no such folder, and with `RAGGIO_NO_CACHE=1`.
 pub fn cache_folder() -> Option<PathBuf> {
-    if std::env::var_os("RAGGIO_NO_CACHE").is_some_and(|value| value == "1") {
+    let users = etcetera::base_strategy::choose_native_strategy().ok().map(|folders| folders.cache_dir());
+    chosen_folder(|name| std::env::var_os(name), users)
+}
+
+/// Folder that the variables of the environment choose, or one in `users`, the user's own.
+fn chosen_folder(variable: impl Fn(&str) -> Option<OsString>, users: Option<PathBuf>) -> Option<PathBuf> {
+    if variable("RAGGIO_NO_CACHE").is_some_and(|value| value == "1") {
         return None;
     }
-    match std::env::var_os("RAGGIO_CACHE_DIR").filter(|folder| !folder.is_empty()) {
-        Some(folder) => Some(folder.into()),
-        None => {
-            etcetera::base_strategy::choose_native_strategy().ok().map(|folders| folders.cache_dir().join("raggio"))
-        }
-    }
+    let named = variable("RAGGIO_CACHE_DIR").filter(|folder| !folder.is_empty());
+    named.map(PathBuf::from).or_else(|| users.map(|users| users.join("raggio")))
 }
 
 /// File of the pipelines of one device, driver and set of kernels.
@@ -147,6 +150,21 @@ mod tests {
     fn names(folder: &Path) -> Vec<String> {
         let entries = fs::read_dir(folder).expect("the folder").map(|entry| entry.expect("an entry").file_name());
         entries.map(|name| name.into_string().expect("a name")).collect()
+    }
+
+    #[test]
+    fn the_environment_chooses_the_folder() {
+        let users = || Some(PathBuf::from("/home/a/.cache"));
+        let chosen = |variables: &[(&str, &str)], users| {
+            let value = |name: &str| variables.iter().find(|(known, _)| *known == name).map(|(_, value)| value.into());
+            chosen_folder(value, users)
+        };
+        assert_eq!(chosen(&[], users()), Some("/home/a/.cache/raggio".into()));
+        assert_eq!(chosen(&[("RAGGIO_CACHE_DIR", "")], users()), Some("/home/a/.cache/raggio".into()));
+        assert_eq!(chosen(&[("RAGGIO_CACHE_DIR", "fast")], users()), Some("fast".into()));
+        assert_eq!(chosen(&[("RAGGIO_CACHE_DIR", "fast"), ("RAGGIO_NO_CACHE", "0")], None), Some("fast".into()));
+        assert_eq!(chosen(&[("RAGGIO_CACHE_DIR", "fast"), ("RAGGIO_NO_CACHE", "1")], users()), None);
+        assert_eq!(chosen(&[], None), None);
     }
 
     #[test]
