@@ -45,9 +45,9 @@ test: setup-tests ## build and run all tests
 test-python: python ## test the Python module
 	$(env) python -m pytest -q
 
-# Every lamp on every material alone, every lamp at every depth, software Vulkan beside Mitsuba's pictures, and CONTRIBUTING's
-# disk built into a copy of the tree: what takes long and has rarely found anything beyond what `make test` runs. No run for
-# a change needs it.
+# Every lamp on every material alone, every lamp at every depth, software Vulkan beside Mitsuba's pictures, instructions of a
+# sample as valgrind counts them, and CONTRIBUTING's disk built into a copy of the tree: what takes long and has rarely found
+# anything beyond what `make test` runs. No run for a change needs it.
 test-long: setup-tests ## the tests with all that is too slow for `make test`
 	$(test_env) RAGGIO_TEST_LONG=1 cargo test --profile quick --workspace
 
@@ -74,9 +74,11 @@ bench_options ?=
 bench: setup ## measure raggio beside Mitsuba, Cycles and Embree (bench_options=--quick: a minute)
 	$(env) python scripts/bench $(bench_options)
 
+# Options of scripts/bench/curves.py: --all, --only, --plots docs/images, --help.
+curve_options ?=
+
 curves: setup ## measure how cost grows with triangles, pixels, lights ..., and how the error falls with samples
-	$(env) python scripts/bench/curves.py
-	$(env) python scripts/bench/convergence.py
+	$(env) python scripts/bench/curves.py $(curve_options)
 
 views ?= 1000
 

@@ -10,15 +10,19 @@ import subprocess
 import sys
 
 import peers
+import project
+import rock
 
 WORKER = peers.HERE / "workers" / "views_worker.py"
 # Views that nobody counts: what is compiled and set aside once is there then.
 WARM_UP = 50
+# Level of the rock.
+LEVEL = 6
 GROWTH_MB = 20
 
 
-def measure(python, name, options):
-    command = [python, WORKER, name, options.views, WARM_UP, options.size, options.samples]
+def measure(python, name, mesh, options):
+    command = [python, WORKER, name, mesh, options.views, WARM_UP, options.size, options.samples]
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
     if done.returncode:
         return None, peers.last_line(done.stderr)
@@ -34,13 +38,14 @@ def main():
     options = parser.parse_args()
     if options.only != ["raggio"]:
         peers.install()
+    mesh = rock.write(project.CACHE, LEVEL).with_suffix(".ply")
 
     print(f"| {options.views} views, {options.size}x{options.size} | views/s | ms of the processor for a view "
           f"| MB after {WARM_UP} views | MB more at the end |")
     print("|---|---|---|---|---|")
     failed = False
     for name in options.only:
-        found, reason = measure(sys.executable if name == "raggio" else peers.PYTHON, name, options)
+        found, reason = measure(sys.executable if name == "raggio" else peers.PYTHON, name, mesh, options)
         if found is None:
             print(f"| {name} is left out: {reason} | | | | |", flush=True)
             failed |= name == "raggio"

@@ -4,6 +4,7 @@
 mod adaptive;
 mod alpha;
 mod closed_forms;
+mod cost;
 mod determinism;
 mod gltf;
 mod guides;

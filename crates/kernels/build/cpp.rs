@@ -90,8 +90,9 @@ const WRITTEN_BY_HAND: [(&str, &str); 6] = [
     ("pixels.h", include_str!("../cpp/pixels.h")),
 ];
 
-/// Word behind the kernels' parameters in which the host passes its `Traversal`.
-const TRAVERSAL_WORD: usize = 15;
+/// Words behind the kernels' parameters in which the host passes its `Traversal`, and its `Counts`.
+pub const TRAVERSAL_WORD: usize = 15;
+pub const COUNTS_WORD: usize = 16;
 
 /// C++ of all kernels, in the parts that the C++ compiler gets.
 pub struct Sources {
@@ -355,6 +356,7 @@ fn hooked(kernels: &str) -> Result<String, String> {
         ("TRIANGLE_IS_THERE", triangle.name),
         ("FIRST_THERE", first.name),
         ("TRAVERSAL_WORD", &TRAVERSAL_WORD.to_string()),
+        ("COUNTS_WORD", &COUNTS_WORD.to_string()),
     ] {
         let _ = writeln!(text, "#define KERNEL_{name} {value}");
     }
@@ -417,7 +419,7 @@ pub fn variant_name(entry: &str) -> String {
 /// Writes `cpu_table.rs`: Rust declarations of the compiled entry points and the choice among them.
 pub fn write_table(levels: &[Level], entry_points: &[String], out: &Path) -> Result<(), String> {
     let mut text = String::from("unsafe extern \"C\" {\n");
-    let (mut choices, mut walks) = (String::new(), String::new());
+    let (mut choices, mut walks, mut widths) = (String::new(), String::new(), String::new());
     for Level { name, suffix, lanes, .. } in levels {
         let mut choice = |entry: &str, simple: &str, function: &str| {
             let _ = writeln!(text, "    fn raggio_{function}_{suffix}(groups: *const [u32; 3], globals: *const u64);");
@@ -438,6 +440,7 @@ pub fn write_table(levels: &[Level], entry_points: &[String], out: &Path) -> Res
             "    fn raggio_walk_{suffix}(globals: *const u64, rays: *const TracedRay, hits: *mut TracedHit, count: u32);"
         );
         let _ = writeln!(walks, "        InstructionSet::{name} => Some(raggio_walk_{suffix}),");
+        let _ = writeln!(widths, "        InstructionSet::{name} => {lanes},");
     }
     text +=
         "}\n\n/// Levels that this build contains, the most capable first.\npub const BUILT: &[InstructionSet] = &[";
@@ -451,7 +454,7 @@ pub fn write_table(levels: &[Level], entry_points: &[String], out: &Path) -> Res
     );
     let _ = writeln!(
         text,
-        "\n/// Word behind the parameters of the kernels in which hand-written code finds its `Traversal`.\nconst TRAVERSAL_WORD: usize = {TRAVERSAL_WORD};"
+        "\n/// Words behind the parameters of the kernels in which hand-written code finds its `Traversal`, and its `Counts`.\nconst TRAVERSAL_WORD: usize = {TRAVERSAL_WORD};\nconst COUNTS_WORD: usize = {COUNTS_WORD};"
     );
     text += "\n/// Function for `entry`, of those that know of principled materials and lights without size or, if `simple`, need not.\n\
              fn entry_point(set: InstructionSet, entry: EntryPoint, simple: bool) -> Option<Kernel> {\n    match (set, entry, simple) {\n";
@@ -460,6 +463,9 @@ pub fn write_table(levels: &[Level], entry_points: &[String], out: &Path) -> Res
     text += "\n/// Function that follows given rays.\nfn walk_function(set: InstructionSet) -> Option<WalkFunction> {\n    match set {\n";
     text += &walks;
     text += "        #[allow(unreachable_patterns)]\n        _ => None,\n    }\n}\n";
+    text += "\n/// Number of paths that the path tracer follows at once; 0 for levels that this build lacks.\nfn lanes(set: InstructionSet) -> u32 {\n    match set {\n";
+    text += &widths;
+    text += "        #[allow(unreachable_patterns)]\n        _ => 0,\n    }\n}\n";
     write(&out.join("cpu_table.rs"), &text)
 }
 

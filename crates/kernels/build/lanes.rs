@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use raggio_lanes::{Options, RUNTIME, translate};
 
+use crate::cpp::{COUNTS_WORD, TRAVERSAL_WORD};
 use crate::declarations::Declarations;
 use crate::layout::Places;
 
@@ -126,6 +127,9 @@ impl Lanes {
         let _ = writeln!(text, "constexpr uint32_t BLOCK = {block};");
         for name in ["work", "film", "resting"] {
             let _ = writeln!(text, "constexpr uint32_t {}_WORD = {};", name.to_uppercase(), places.word(name)?);
+        }
+        for (name, word) in [("TRAVERSAL", TRAVERSAL_WORD), ("COUNTS", COUNTS_WORD)] {
+            let _ = writeln!(text, "constexpr uint32_t {name}_WORD = {word};");
         }
         text +=
             "\n/// Addresses of the kernels' buffers.\ninline void fill(Buffers& buffers, const uint64_t* globals) {\n";

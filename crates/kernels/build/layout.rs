@@ -9,34 +9,32 @@ use serde_json::Value;
 use crate::cpp::variant_name;
 use crate::declarations::{Declarations, Enumeration};
 
-/// Writes `layout.rs` and `declarations.txt` into the folder `out`.
+/// Writes `layout.rs` and `declarations.txt` into the folder `out`, from the kernels' declarations and the places of their
+/// parameters in C++ and in SPIR-V.
 pub fn generate(
-    kernels: &Path,
+    declarations: &Declarations,
     entry_points: &[String],
-    cpp_reflection: &Path,
-    spirv_reflection: &Path,
+    cpp: &Places,
+    spirv: &Places,
     out: &Path,
 ) -> Result<(), String> {
-    let declarations = Declarations::read(kernels)?;
-    let (cpp, spirv) = (Places::read(cpp_reflection)?, Places::read(spirv_reflection)?);
-
     let mut types = Types::default();
     let mut text = String::new();
     for name in ["work", "film", "output", "input", "resting"] {
         types.collect(element(cpp.parameter(name)?))?;
     }
     let (scene_cpp, scene_spirv) = (cpp.scene("offset")?, spirv.scene("index")?);
-    for (cpp, spirv) in scene_cpp.iter().zip(&scene_spirv) {
-        if cpp.element != spirv.element {
-            return Err(format!("`{}` is laid out differently in C++ and in SPIR-V", cpp.name));
+    for (in_cpp, in_spirv) in scene_cpp.iter().zip(&scene_spirv) {
+        if in_cpp.element != in_spirv.element {
+            return Err(format!("`{}` is laid out differently in C++ and in SPIR-V", in_cpp.name));
         }
-        types.collect(&cpp.element)?;
+        types.collect(&in_cpp.element)?;
     }
     text += &types.text;
     text += &scene_buffers(&scene_cpp)?;
-    text += &index_checks(&scene_cpp, &declarations)?;
-    text += &constants_of_places(&cpp, &spirv, &scene_cpp, &scene_spirv)?;
-    text += &enumerations_and_constants(&declarations);
+    text += &index_checks(&scene_cpp, declarations)?;
+    text += &constants_of_places(cpp, spirv, &scene_cpp, &scene_spirv)?;
+    text += &enumerations_and_constants(declarations);
     text += &entry_point_names(entry_points);
     // Kernels that are compiled later are compared with these: `raggio_kernels::compile`.
     std::fs::write(out.join("declarations.txt"), declarations.text())

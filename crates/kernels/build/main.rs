@@ -46,7 +46,7 @@ fn build(out: &Path) -> Result<(), String> {
     let (cache, jobs) = (Cache::beside(out), Jobs::from_cargo());
     let (cpp, spirv) = (out.join("kernels.generated.cpp"), out.join("kernels.spv"));
     let levels = cpp::levels()?;
-    let entry_points = &slang.entry_points;
+    let (entry_points, declarations) = (&slang.entry_points, Declarations::read(&slang.kernels)?);
 
     std::thread::scope(|scope| {
         let machine_code = scope.spawn(|| {
@@ -57,21 +57,22 @@ fn build(out: &Path) -> Result<(), String> {
                     move || slang.compile(cache, target, code)
                 },
             ))?;
-            let (declarations, places) =
-                (Declarations::read(&slang.kernels)?, Places::read(&cpp.with_extension("json"))?);
+            let places = Places::read(&cpp.with_extension("json"))?;
             let translated = Lanes::translate_all(&lanes, &declarations, &places)?;
             let sources = cpp::Sources::write(&cpp, entry_points, translated, out)?;
             let units = sources.units(&levels);
             jobs.run_all(units.iter().map(|unit| || sources.compile(&cache, unit, out)))?;
             sources.link(&levels, out);
-            cpp::write_table(&levels, entry_points, out)
+            cpp::write_table(&levels, entry_points, out)?;
+            Ok::<_, String>(places)
         });
         jobs.run_all(VARIANTS.iter().enumerate().map(|(variant, (ending, _))| {
             let code = spirv.with_extension(ending);
             let (slang, cache) = (&slang, &cache);
             move || slang.compile(cache, Target::Spirv(variant), &code)
         }))?;
-        machine_code.join().expect("compiling does not panic")
-    })?;
-    layout::generate(&slang.kernels, entry_points, &cpp.with_extension("json"), &spirv.with_extension("json"), out)
+        let places = machine_code.join().expect("compiling does not panic")?;
+        let in_spirv = Places::read(&spirv.with_extension("json"))?;
+        layout::generate(&declarations, entry_points, &places, &in_spirv, out)
+    })
 }

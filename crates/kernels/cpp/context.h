@@ -8,6 +8,10 @@
 
 namespace lanes {
 
+/// Columns of what is found ahead for the paths in the queue: hits, word by word, of the rays onward and of shadow rays, each
+/// before a word whose bits are all set where there is one.
+enum Ahead : uint32_t { ONWARD = 0, SHADOW = 6, AHEAD = 12 };
+
 struct Context {
     Buffers buffers;
     const char* work;
@@ -15,9 +19,14 @@ struct Context {
     const uint64_t* globals;
     /// Words of the paths in the queue, from the first lane's on.
     Columns paths;
+    /// Columns of `Ahead` beside these; none where nothing is found ahead.
+    Columns ahead;
+
+    /// What the host has counted, or null.
+    raggio::Counts* counts() const { return (raggio::Counts*)globals[COUNTS_WORD]; }
 
     explicit Context(const uint64_t* globals)
-        : work((const char*)globals[WORK_WORD]), film((char*)globals[FILM_WORD]), globals(globals), paths{nullptr, 0}
+        : work((const char*)globals[WORK_WORD]), film((char*)globals[FILM_WORD]), globals(globals), paths{nullptr, 0}, ahead{nullptr, 0}
     {
         fill(buffers, globals);
     }
@@ -34,6 +43,9 @@ struct Context {
             as_float(triangleBefore), secondBefore, thirdBefore,
         };
         memcpy(in, rows, sizeof in);
+        Float known[5];
+        const Mask isKnown = ahead.base ? foundAhead(mask, rows, any, known) : splat(false);
+        mask = without(mask, isKnown);
         raggio::TracedRay rays[LANES];
         raggio::TracedHit hits[LANES];
         uint32_t anyBits = bits(any), count = 0;
@@ -44,6 +56,7 @@ struct Context {
             rays[count].any = anyBits >> i & 1;
             memcpy(&hits[count++], words + 7, sizeof hits[0]);
         });
+        if (counts()) counts()->walk.add(count);
         RAGGIO_OF_LEVEL(raggio_walk_)(globals, rays, hits, count);
         count = 0;
         each_lane(mask, [&](int i) {
@@ -51,8 +64,48 @@ struct Context {
             memcpy(words, &hits[count++], sizeof words);
             for (int k = 0; k < 5; k++) out[k][i] = words[k];
         });
-        auto row = [&](int k) { Float x; memcpy(&x, out[k], sizeof x); return x; };
+        auto row = [&](int k) {
+            Float x;
+            memcpy(&x, out[k], sizeof x);
+            return ahead.base ? choose(isKnown, known[k], x) : x;
+        };
         distance = row(0), shape = as_uint(row(1)), triangle = as_uint(row(2)), second = row(3), third = row(4);
+    }
+
+    /// Looks for the rays in `rows` among those that were followed ahead. Returns the lanes in which they are, whose hits
+    /// become `known`.
+    RAGGIO_INLINE Mask foundAhead(Mask mask, const Float (&rows)[12], Mask any, Float (&known)[5]) const
+    {
+        auto column = [](const Columns& columns, uint32_t k) {
+            Float x;
+            memcpy(&x, columns.base + k * columns.capacity, sizeof x);
+            return x;
+        };
+        auto isRay = [&](uint32_t ray, uint32_t key, uint32_t found) {
+            Mask same = mask & as_mask(column(ahead, found + 5)) & equal(as_uint(rows[6]), as_uint(column(paths, key)));
+            for (int k = 0; k < 6; k++) same = same & equal(rows[k], column(paths, ray + k));
+            return same;
+        };
+        const Float before = rows[7];
+        const Uint shapeBefore = as_uint(rows[8]), nothing = splat(raggio::NOTHING);
+
+        // Rays onward were followed as if nothing were before. Of surfaces at one distance the lowest is the nearest:
+        // `isBehind` of rays.h.
+        Mask onward = isRay(path_columns::ray, path_columns::key, ONWARD) & inverse(any);
+        Float distance = column(ahead, ONWARD);
+        Uint shape = as_uint(column(ahead, ONWARD + 1)), triangle = as_uint(column(ahead, ONWARD + 2));
+        Mask lower = less(shape, shapeBefore) | (equal(shape, shapeBefore) & less(triangle, as_uint(rows[9])));
+        Mask nearer = less(distance, before) | (equal(distance, before) & not_equal(shapeBefore, nothing) & lower);
+        for (int k = 0; k < 5; k++) known[k] = choose(nearer, column(ahead, ONWARD + k), rows[7 + k]);
+
+        // Shadow rays outside all bodies were asked for any surface, and one that is in the way may not be the nearest.
+        Mask shadow = isRay(path_columns::shadowRay, path_columns::shadowKey, SHADOW) & equal(shapeBefore, nothing)
+            & equal(before, column(paths, path_columns::shadowDistance));
+        Mask isNearest = not_equal(as_uint(column(paths, path_columns::mediaCount)), splat(0u))
+            | equal(as_uint(column(ahead, SHADOW + 1)), nothing);
+        shadow = shadow & (any | isNearest);
+        for (int k = 0; k < 5; k++) known[k] = choose(shadow, column(ahead, SHADOW + k), known[k]);
+        return onward | shadow;
     }
 
     /// Adds what samples are to their pixels, of which some may be the same: sums of 96 bits, then counts.

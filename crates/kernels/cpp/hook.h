@@ -10,7 +10,7 @@
 
 namespace raggio {
 
-/// Surfaces that let part of the light pass, for one ray.
+/// Surfaces that let part of the light pass, for one ray; nothing is counted.
 struct KernelHoles {
     KERNEL_RAY* ray;
     uint32_t key;
@@ -26,11 +26,43 @@ struct KernelHoles {
     RAGGIO_INLINE float firstThere(uint32_t shape, float distance) const {
         return KERNEL_FIRST_THERE(ray, shape, distance, key, context);
     }
+
+    RAGGIO_INLINE void meetsNode() const {}
+    RAGGIO_INLINE void meetsTriangles() const {}
+    RAGGIO_INLINE void meetsShapes() const {}
+};
+
+struct CountingHoles : KernelHoles {
+    Counts* counts;
+
+    RAGGIO_INLINE void meetsNode() const { counts->nodes++; }
+    RAGGIO_INLINE void meetsTriangles() const { counts->triangleBlocks++; }
+    RAGGIO_INLINE void meetsShapes() const { counts->shapeBlocks++; }
 };
 
 /// What the host puts behind the parameters of the kernels; null where rays go as on other devices.
 RAGGIO_INLINE const Traversal* traversalOf(const uint64_t* globals) {
     return (const Traversal*)globals[KERNEL_TRAVERSAL_WORD];
+}
+
+/// Traces `count` rays, each into its hit. `holesOf` answers for each ray.
+template <class HolesOf>
+RAGGIO_INLINE void walkAll(
+    const Traversal& traversal, const TracedRay* rays, TracedHit* hits, uint32_t count, const HolesOf& holesOf)
+{
+    if (count != 1) return walkInTurn(traversal, rays, hits, count, [&](const Way& way) { return holesOf(way.ray); });
+    auto holes = holesOf(*rays);
+    if (rays->any) walk<true>(traversal, *rays, holes, *hits);
+    else walk<false>(traversal, *rays, holes, *hits);
+}
+
+/// `walkAll` for a host that counts: out of the way of renders, which do not.
+RAGGIO_NOINLINE void walkAndCount(
+    const Traversal& traversal, const TracedRay* rays, TracedHit* hits, uint32_t count, KERNEL_CONTEXT* context, Counts* counts)
+{
+    walkAll(traversal, rays, hits, count, [&](const TracedRay& ray) {
+        return CountingHoles{{(KERNEL_RAY*)&ray, ray.key, context}, counts};
+    });
 }
 
 } // namespace raggio
@@ -67,18 +99,11 @@ extern "C" void RAGGIO_OF_LEVEL(raggio_walk_)(
     memcpy(&context, &globals, sizeof globals);
 #if defined(__AVX2__) && defined(__FMA__)
     if (const raggio::Traversal* traversal = raggio::traversalOf(globals)) {
-        if (traversal->inTurn) {
-            raggio::walkInTurn(*traversal, rays, hits, count, [&](raggio::Way& way) {
-                return raggio::KernelHoles{(KERNEL_RAY*)&way.ray, way.ray.key, &context};
-            });
-            return;
-        }
-        for (uint32_t i = 0; i < count; i++) {
-            raggio::KernelHoles holes = {(KERNEL_RAY*)&rays[i], rays[i].key, &context};
-            if (rays[i].any) raggio::walk<true>(*traversal, rays[i], holes, hits[i]);
-            else raggio::walk<false>(*traversal, rays[i], holes, hits[i]);
-        }
-        return;
+        raggio::Counts* counts = (raggio::Counts*)globals[KERNEL_COUNTS_WORD];
+        if (counts) return raggio::walkAndCount(*traversal, rays, hits, count, &context, counts);
+        return raggio::walkAll(*traversal, rays, hits, count, [&](const raggio::TracedRay& ray) {
+            return raggio::KernelHoles{(KERNEL_RAY*)&ray, ray.key, &context};
+        });
     }
 #endif
     static_assert(sizeof(KERNEL_HIT) == sizeof *hits, "");

@@ -41,6 +41,34 @@ struct TracedHit {
     }
 };
 
+/// Calls of a stage for LANES paths, and paths in them all.
+struct StageCounts {
+    uint64_t calls;
+    uint64_t paths;
+
+    /// One more call, unless it is for no path.
+    void add(uint32_t count) {
+        calls += count > 0;
+        paths += count;
+    }
+};
+
+/// What is counted where the host asks for it: `Counts` of src/cpu/counts.rs.
+struct Counts {
+    /// What rays that walk are tested against: nodes of eight children, blocks of up to four triangles, blocks of up to four
+    /// closed forms.
+    uint64_t nodes;
+    uint64_t triangleBlocks;
+    uint64_t shapeBlocks;
+    StageCounts renew;
+    StageCounts find;
+    /// Paths that have a shadow ray, in calls of `find` with any.
+    StageCounts shadow;
+    StageCounts shade;
+    /// Rays that walk through a hierarchy, those that take turns in one call.
+    StageCounts walk;
+};
+
 } // namespace raggio
 
 // Tracing for kernels of several paths, by hook.h: `walk` of kernels/tracing.slang, for rays that each have their hit.

@@ -5,7 +5,8 @@
 // need only be conservative, and may fuse. Among surfaces at one distance the lowest (shape, triangle) is the nearest, in
 // whatever order they are found.
 //
-// `Holes` answers whether surfaces are there that let part of the light pass: see kernels/coverage.slang.
+// `Holes` answers whether surfaces are there that let part of the light pass: see kernels/coverage.slang. It is told of each
+// node and block that a ray is tested against, for those who count them.
 #pragma once
 #include <immintrin.h>
 #include "rays.h"
@@ -75,8 +76,8 @@ struct Traversal {
     const RectangleBlock* rectangles;
     const BoxBlock* boxes;
     uint64_t root;
-    /// Not 0 where rays that come together are to be traced in turn: what they read is in no cache near by.
-    uint64_t inTurn;
+    /// Not 0 where what rays read is in no cache near by, so that it is asked for ahead.
+    uint64_t isFar;
 };
 
 // ---- Rays
@@ -174,6 +175,7 @@ RAGGIO_INLINE void intersectTriangles(
     const TriangleRecord* triangles, uint32_t first, unsigned count, const RaySetup& ray, uint32_t shape, bool hasHoles,
     const Holes& holes, TracedHit& hit)
 {
+    holes.meetsTriangles();
     const float* t0 = triangles[first].corners[0];
     const float* t1 = t0 + (count > 1 ? 12 : 0);
     const float* t2 = t0 + (count > 2 ? 24 : 0);
@@ -326,6 +328,7 @@ template <int ROWS, class Holes>
 RAGGIO_INLINE void intersectBlock(
     const Block<ROWS>& block, const float* origin, const float* direction, const Holes& holes, TracedHit& hit)
 {
+    holes.meetsShapes();
     auto all = [](const float* v) { return Vector4{_mm_set1_ps(v[0]), _mm_set1_ps(v[1]), _mm_set1_ps(v[2])}; };
     __m128 t = distances(block, all(origin), all(direction));
     unsigned met = _mm_movemask_ps(_mm_and_ps(_mm_cmple_ps(t, _mm_set1_ps(hit.distance)), _mm_cmplt_ps(t, _mm_set1_ps(INFINITE))));
@@ -360,11 +363,8 @@ RAGGIO_INLINE uint32_t bitsOf(float x) {
 }
 RAGGIO_INLINE Waiting waiting(float distance, uint32_t reference) { return Waiting(bitsOf(distance)) << 32 | reference; }
 
-/// The child of `node` that the ray enters first becomes `reference`; the others wait, the nearest on top, or in any order
-/// where any hit will do. False if the ray enters none.
-template <bool ANY>
-RAGGIO_INLINE bool enter(const char* node, const RaySetup& ray, float limit, Waiting*& top, uint32_t& reference)
-{
+/// Lanes of the children of `node` whose boxes the ray meets before `limit`; `near` is where it enters each.
+RAGGIO_INLINE __m256 boxesMet(const char* node, const RaySetup& ray, float limit, __m256& near) {
     auto planes = [&](size_t offset) { return _mm256_load_ps((const float*)(node + offset)); };
     auto all = [](const float& x) { return _mm256_broadcast_ss(&x); };
     __m256 rx = all(ray.reciprocal[0]), ry = all(ray.reciprocal[1]), rz = all(ray.reciprocal[2]);
@@ -374,9 +374,18 @@ RAGGIO_INLINE bool enter(const char* node, const RaySetup& ray, float limit, Wai
     __m256 farX = _mm256_fmadd_ps(planes(ray.offsets[0] ^ 32), rx, all(ray.far[0]));
     __m256 farY = _mm256_fmadd_ps(planes(ray.offsets[1] ^ 32), ry, all(ray.far[1]));
     __m256 farZ = _mm256_fmadd_ps(planes(ray.offsets[2] ^ 32), rz, all(ray.far[2]));
-    __m256 near = _mm256_max_ps(_mm256_max_ps(nearX, nearY), _mm256_max_ps(nearZ, _mm256_setzero_ps()));
+    near = _mm256_max_ps(_mm256_max_ps(nearX, nearY), _mm256_max_ps(nearZ, _mm256_setzero_ps()));
     __m256 far = _mm256_min_ps(_mm256_min_ps(farX, farY), _mm256_min_ps(farZ, _mm256_set1_ps(limit)));
-    unsigned met = _mm256_movemask_ps(_mm256_cmp_ps(near, far, _CMP_LE_OQ));
+    return _mm256_cmp_ps(near, far, _CMP_LE_OQ);
+}
+
+/// The child of `node` that the ray enters first becomes `reference`; the others wait, the nearest on top, or in any order
+/// where any hit will do. False if the ray enters none.
+template <bool ANY>
+RAGGIO_INLINE bool enter(const char* node, const RaySetup& ray, float limit, Waiting*& top, uint32_t& reference)
+{
+    __m256 near;
+    unsigned met = _mm256_movemask_ps(boxesMet(node, ray, limit, near));
     if (!met) return false;
 
     const uint32_t* children = (const uint32_t*)(node + offsetof(Node, children));
@@ -463,8 +472,10 @@ RAGGIO_INLINE void walkMesh(
     Waiting* top = base;
     uint32_t reference = instance.root;
     do {
-        while (!(reference & LEAF))
+        while (!(reference & LEAF)) {
+            holes.meetsNode();
             if (!enter<ANY>(nodes + (size_t(reference) << 8), ray, hit.distance, top, reference)) goto waits;
+        }
         intersectLeaf(all.triangles, reference, instance, ray, holes, hit);
         if (ANY && hit.found()) return;
     waits:;
@@ -481,8 +492,10 @@ RAGGIO_INLINE void walk(const Traversal& all, const TracedRay& ray, const Holes&
     Waiting stack[STACK];
     Waiting* top = stack;
     do {
-        while (!(reference & LEAF))
+        while (!(reference & LEAF)) {
+            holes.meetsNode();
             if (!enter<ANY>((const char*)all.nodes + (size_t(reference) << 8), setup, hit.distance, top, reference)) goto waits;
+        }
         {
             uint32_t place = reference & PLACE;
             switch ((reference & ~LEAF) >> TRIANGLES_SHIFT) {
@@ -509,9 +522,33 @@ RAGGIO_INLINE void walk(const Traversal& all, const TracedRay& ray, const Holes&
 }
 
 // ---- Several rays in turn
+//
+// Rays that are on their way together hide one another's waits for memory, and, as far as no branch depends on what a ray
+// meets, one another's arithmetic. So they go in two lists: those that are at a node, and those that are at anything else.
+
+/// Below what waits in a mesh, and below all that waits.
+constexpr uint32_t MESH_ENDS = 0xfffffffeu, RAY_ENDS = 0xffffffffu;
+
+/// The largest numbers first (a bitonic network).
+RAGGIO_INLINE __m256i descending(__m256i x) {
+    // Bits of each comparison's pattern: the lanes that take the smaller number of each pair.
+#define RAGGIO_EXCHANGE(other, smaller) \
+    { \
+        __m256i y = other; \
+        x = _mm256_blend_epi32(_mm256_max_epu32(x, y), _mm256_min_epu32(x, y), smaller); \
+    }
+    RAGGIO_EXCHANGE(_mm256_shuffle_epi32(x, 0xb1), 0x66)
+    RAGGIO_EXCHANGE(_mm256_shuffle_epi32(x, 0x4e), 0x3c)
+    RAGGIO_EXCHANGE(_mm256_shuffle_epi32(x, 0xb1), 0x5a)
+    RAGGIO_EXCHANGE(_mm256_permute2x128_si256(x, x, 1), 0xf0)
+    RAGGIO_EXCHANGE(_mm256_shuffle_epi32(x, 0x4e), 0xcc)
+    RAGGIO_EXCHANGE(_mm256_shuffle_epi32(x, 0xb1), 0xaa)
+#undef RAGGIO_EXCHANGE
+    return x;
+}
 
 /// Where a ray is on its way.
-struct Way {
+struct alignas(64) Way {
     TracedRay ray;
     TracedHit hit;
     RaySetup world;
@@ -521,105 +558,171 @@ struct Way {
     const char* nodes;
     /// The instance whose mesh that is, or null.
     const InstanceRecord* instance;
-    /// What waits of that hierarchy begins at `base`; below it waits what is left of the upper one.
-    Waiting* base;
-    Waiting* top;
-    uint32_t reference;
     /// Place of the ray among all.
     uint32_t number;
-    Waiting stack[STACK];
+    /// Where the ray is.
+    uint32_t reference;
+    /// What waits, the nearest on top: the distances at which the ray enters it, and references.
+    uint32_t top;
+    alignas(32) float distances[STACK + 16];
+    alignas(32) uint32_t references[STACK + 16];
+
+    /// Sets out from `ray`.
+    RAGGIO_INLINE void begin(const Traversal& all) {
+        setUp(three(ray.origin), three(ray.direction), world);
+        top = 0;
+        push(RAY_ENDS);
+        goTo(all);
+        reference = uint32_t(all.root);
+    }
+
+    /// Goes to the upper hierarchy.
+    RAGGIO_INLINE void goTo(const Traversal& all) {
+        setup = &world;
+        nodes = (const char*)all.nodes;
+        instance = nullptr;
+    }
+
+    /// Goes to the mesh of an instance, and to its root.
+    RAGGIO_INLINE void goTo(const Traversal& all, const InstanceRecord& to) {
+        if (!to.identity) {
+            __m128 origin, direction;
+            intoMesh(to, ray.origin, ray.direction, origin, direction);
+            setUp(origin, direction, inside);
+            setup = &inside;
+        }
+        nodes = (const char*)(all.meshNodes + to.firstNode);
+        instance = &to;
+        push(MESH_ENDS);
+        reference = to.root;
+    }
+
+    /// Looks into the node, and goes to the nearest of all that waits.
+    RAGGIO_INLINE void enter() {
+        const char* node = nodes + (size_t(reference) << 8);
+        __m256 near;
+        __m256 enters = boxesMet(node, *setup, hit.distance, near);
+        // Numbers whose order is that of the distances, but for the last three bits, which say the child.
+        __m256i lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+        __m256i keys = _mm256_or_si256(_mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(near)), lanes);
+        keys = descending(_mm256_and_si256(keys, _mm256_castps_si256(enters)));
+        __m256i children = _mm256_load_si256((const __m256i*)(node + offsetof(Node, children)));
+        // All eight are written; behind those that the ray enters is nothing of use.
+        _mm256_storeu_ps(distances + top, _mm256_permutevar8x32_ps(near, keys));
+        _mm256_storeu_si256((__m256i*)(references + top), _mm256_permutevar8x32_epi32(children, keys));
+        top += unsigned(__builtin_popcount(unsigned(_mm256_movemask_ps(enters))));
+        next();
+    }
+
+    /// Goes to the nearest of all that waits before the hit.
+    RAGGIO_INLINE void next() {
+        do top--;
+        while (distances[top] > hit.distance);
+        reference = references[top];
+    }
+
+    /// What the next step reads.
+    RAGGIO_INLINE const void* reads(const Traversal& all) const {
+        if (!(reference & LEAF)) return nodes + (size_t(reference) << 8);
+        return instance ? all.triangles + instance->firstTriangle + (reference & PLACE) : nullptr;
+    }
+
+private:
+    RAGGIO_INLINE void push(uint32_t end) {
+        distances[top] = 0;
+        references[top++] = end;
+    }
 };
 
-RAGGIO_INLINE void askFor(const void* place) {
-    for (int line = 0; line < 4; line++) _mm_prefetch((const char*)place + 64 * line, _MM_HINT_T0);
-}
-
-/// Sets a way out from its `ray`.
-RAGGIO_INLINE void begin(const Traversal& all, Way& way) {
-    setUp(three(way.ray.origin), three(way.ray.direction), way.world);
-    way.setup = &way.world;
-    way.nodes = (const char*)all.nodes;
-    way.instance = nullptr;
-    way.base = way.top = way.stack;
-    way.reference = uint32_t(all.root);
-}
-
-/// Goes on by one node or one leaf, and asks memory for what the next step reads. False if the way has ended.
-template <class Holes> RAGGIO_INLINE bool step(const Traversal& all, Way& way, const Holes& holes) {
-    if (!(way.reference & LEAF)) {
-        const char* node = way.nodes + (size_t(way.reference) << 8);
-        bool enters = way.ray.any ? enter<true>(node, *way.setup, way.hit.distance, way.top, way.reference)
-                              : enter<false>(node, *way.setup, way.hit.distance, way.top, way.reference);
-        if (enters) goto ask;
-    } else if (way.instance) {
-        intersectLeaf(all.triangles, way.reference, *way.instance, *way.setup, holes, way.hit);
-        if (way.ray.any && way.hit.found()) return false;
-    } else {
-        const TracedRay& ray = way.ray;
-        uint32_t place = way.reference & PLACE;
-        switch ((way.reference & ~LEAF) >> TRIANGLES_SHIFT) {
-        case SPHERES: intersectBlock(all.spheres[place], ray.origin, ray.direction, holes, way.hit); break;
-        case RECTANGLES: intersectBlock(all.rectangles[place], ray.origin, ray.direction, holes, way.hit); break;
-        case BOXES: intersectBlock(all.boxes[place], ray.origin, ray.direction, holes, way.hit); break;
-        default: {
-            const InstanceRecord& instance = all.instances[place];
-            if (!instance.identity) {
-                __m128 origin, direction;
-                intoMesh(instance, ray.origin, ray.direction, origin, direction);
-                setUp(origin, direction, way.inside);
-                way.setup = &way.inside;
-            }
-            way.instance = &instance;
-            way.nodes = (const char*)(all.meshNodes + instance.firstNode);
-            way.base = way.top;
-            way.reference = instance.root;
-            goto ask;
+/// Intersects what the way is at, which is no node, and goes on to where memory is read next. False if the way has ended.
+template <class Holes> RAGGIO_INLINE bool stepOver(const Traversal& all, Way& way, const Holes& holes) {
+    const TracedRay& ray = way.ray;
+    if (way.instance) {
+        if (way.reference != MESH_ENDS) {
+            intersectLeaf(all.triangles, way.reference, *way.instance, *way.setup, holes, way.hit);
+            if (ray.any && way.hit.found()) return false;
+            way.next();
+            if (way.reference != MESH_ENDS) return true;
         }
-        }
-        if (way.ray.any && way.hit.found()) return false;
+        way.goTo(all);
+        way.next();
+        if (!(way.reference & LEAF)) return true;
     }
-    while (!next(way.base, way.hit.distance, way.top, way.reference)) {
-        if (!way.instance) return false;
-        way.setup = &way.world;
-        way.nodes = (const char*)all.nodes;
-        way.instance = nullptr;
-        way.base = way.stack;
+    if (way.reference == RAY_ENDS) return false;
+    uint32_t place = way.reference & PLACE;
+    switch ((way.reference & ~LEAF) >> TRIANGLES_SHIFT) {
+    case SPHERES: intersectBlock(all.spheres[place], ray.origin, ray.direction, holes, way.hit); break;
+    case RECTANGLES: intersectBlock(all.rectangles[place], ray.origin, ray.direction, holes, way.hit); break;
+    case BOXES: intersectBlock(all.boxes[place], ray.origin, ray.direction, holes, way.hit); break;
+    default: way.goTo(all, all.instances[place]); return true;
     }
-ask:
-    if (!(way.reference & LEAF)) askFor(way.nodes + (size_t(way.reference) << 8));
-    else if (way.instance) askFor(all.triangles + way.instance->firstTriangle + (way.reference & PLACE));
-    return true;
+    if (ray.any && way.hit.found()) return false;
+    way.next();
+    return way.reference != RAY_ENDS;
 }
 
 /// Number of rays that are traced in turn: as many as hide one another's waits for memory.
-constexpr uint32_t IN_TURN = 16;
+constexpr uint32_t IN_TURN = 32;
+
+/// Room for them, one for each thread whatever `Holes` are.
+RAGGIO_INLINE Way* roomForWays() {
+    static thread_local Way ways[IN_TURN];
+    return ways;
+}
 
 /// Traces `count` rays, each into its hit. `holesOf` answers for each way.
 template <class HolesOf>
 RAGGIO_INLINE void walkInTurn(
     const Traversal& all, const TracedRay* rays, TracedHit* hits, uint32_t count, const HolesOf& holesOf)
 {
-    static thread_local Way ways[IN_TURN];
-    Way* live[IN_TURN];
-    uint32_t next = 0, left = 0;
-    auto set = [&](Way& way) {
-        way.number = next;
-        way.ray = rays[next];
-        way.hit = hits[next++];
-        begin(all, way);
+    Way* ways = roomForWays();
+    // Both lists have room for one more: each way is written to the ends of both.
+    Way *inner[IN_TURN + 1], *others[IN_TURN + 1];
+    uint32_t begun = 0, inners = 0, rest = 0;
+    auto begin = [&](Way& way) {
+        way.number = begun;
+        way.ray = rays[begun];
+        way.hit = hits[begun++];
+        way.begin(all);
     };
-    for (; left < IN_TURN && next < count; left++) set(*(live[left] = &ways[left]));
-    while (left > 0)
-        for (uint32_t i = 0; i < left;) {
-            Way& way = *live[i];
-            if (step(all, way, holesOf(way))) {
-                i++;
-                continue;
-            }
-            hits[way.number] = way.hit;
-            if (next < count) set(way), i++;
-            else live[i] = live[--left];
+    auto list = [&](Way& way) {
+        if (all.isFar) {
+            const char* place = (const char*)way.reads(all);
+            for (int line = 0; line < 4; line++) _mm_prefetch(place + 64 * line, _MM_HINT_T0);
         }
+        uint32_t other = way.reference >> 31;
+        inner[inners] = &way;
+        others[rest] = &way;
+        inners += 1 - other;
+        rest += other;
+    };
+    while (begun < count && begun < IN_TURN) {
+        Way& way = ways[begun];
+        begin(way);
+        list(way);
+    }
+    // A list is read ahead of where it is written anew.
+    while (inners + rest > 0) {
+        uint32_t listed = inners;
+        inners = 0;
+        for (uint32_t i = 0; i < listed; i++) {
+            Way& way = *inner[i];
+            holesOf(way).meetsNode();
+            way.enter();
+            list(way);
+        }
+        listed = rest;
+        rest = 0;
+        for (uint32_t i = 0; i < listed; i++) {
+            Way& way = *others[i];
+            if (!stepOver(all, way, holesOf(way))) {
+                hits[way.number] = way.hit;
+                if (begun == count) continue;
+                begin(way);
+            }
+            list(way);
+        }
+    }
 }
 
 } // namespace raggio

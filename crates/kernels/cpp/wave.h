@@ -101,10 +101,64 @@ public:
 
     Context& at(Context& context, uint32_t slot) {
         context.paths = {words[0] + slot, CAPACITY};
+        context.ahead = {nullptr, 0};
         return context;
     }
 
+    /// The same, for a stage that takes what has been found ahead.
+    Context& atFound(Context& context, uint32_t slot) {
+        at(context, slot);
+        if (context.globals[TRAVERSAL_WORD]) context.ahead = {ahead[0] + slot, CAPACITY};
+        return context;
+    }
+
+    /// Follows the rays that the first `count` paths are about to ask for, more of them in turn than one vector has. The stage
+    /// that asks need not find here what it asks for.
+    RAGGIO_NOINLINE void followAhead(const uint64_t* globals, uint32_t count, raggio::Counts* counts) {
+        if (!globals[TRAVERSAL_WORD]) return;
+        using namespace path_columns;
+        raggio::TracedRay followed[2 * CAPACITY];
+        raggio::TracedHit hits[2 * CAPACITY];
+        float* places[2 * CAPACITY];
+        uint32_t number = 0;
+        auto follow = [&](uint32_t slot, Ahead found, bool isAsked, uint32_t ray, uint32_t key, float limit, bool any) {
+            memset(&ahead[found + 5][slot], isAsked ? 0xff : 0, 4);
+            if (!isAsked) return;
+            raggio::TracedRay& to = followed[number];
+            for (int k = 0; k < 3; k++) to.origin[k] = words[ray + k][slot], to.direction[k] = words[ray + 3 + k][slot];
+            to.key = bits(key, slot);
+            to.any = any;
+            hits[number] = {limit, raggio::NOTHING, 0, {0, 0}};
+            places[number++] = &ahead[found][slot];
+        };
+        for (uint32_t slot = 0; slot < count; slot++) {
+            follow(slot, ONWARD, !(bits(flags, slot) & NO_RAY_ONWARD), ray, key, __builtin_inff(), false);
+            bool lights = words[shadowValue][slot] > 0 || words[shadowValue + 1][slot] > 0 || words[shadowValue + 2][slot] > 0;
+            follow(slot, SHADOW, lights, shadowRay, shadowKey, words[shadowDistance][slot], bits(mediaCount, slot) == 0);
+        }
+        if (counts) counts->walk.add(number);
+        RAGGIO_OF_LEVEL(raggio_walk_)(globals, followed, hits, number);
+        for (uint32_t i = 0; i < number; i++) {
+            float hit[5];
+            memcpy(hit, &hits[i], sizeof hit);
+            for (int k = 0; k < 5; k++) places[i][k * CAPACITY] = hit[k];
+        }
+    }
+
     void clear() { memset(words[path_columns::status], 0, sizeof words[0]); }
+
+    /// Counts the paths of the vector at `slot`, of which the first `count` may be under way, and their shadow rays.
+    RAGGIO_NOINLINE void count(raggio::Counts& counts, uint32_t slot, uint32_t count) const {
+        uint32_t paths = count < LANES ? count : LANES, shadows = 0;
+        for (uint32_t i = slot; i < slot + paths; i++)
+            for (uint32_t color = 0; color < 3; color++)
+                if (words[path_columns::shadowValue + color][i] > 0) {
+                    shadows++;
+                    break;
+                }
+        counts.find.add(paths);
+        counts.shadow.add(shadows);
+    }
 
     /// Brings the paths among the first `count` that go on to the front, in their order, and those that have ended behind
     /// them. Returns the number of those that go on.
@@ -145,6 +199,14 @@ public:
 private:
     /// `Status.Alive`.
     static constexpr uint32_t ALIVE = 1;
+    /// `NO_RAY_ONWARD` of kernels/stages/state.slang.
+    static constexpr uint32_t NO_RAY_ONWARD = 64;
+
+    uint32_t bits(uint32_t column, uint32_t slot) const {
+        uint32_t x;
+        memcpy(&x, &words[column][slot], sizeof x);
+        return x;
+    }
 
     Uint vector(uint32_t column, uint32_t i) const {
         Uint x;
@@ -153,6 +215,7 @@ private:
     }
 
     alignas(64) float words[path_columns::size][CAPACITY];
+    alignas(64) float ahead[AHEAD][CAPACITY];
 };
 
 static void path(const uint64_t* globals)
@@ -162,29 +225,36 @@ static void path(const uint64_t* globals)
     Tile tile(globals);
     Samples samples(tile);
     queue.clear();
+    raggio::Counts* counts = context.counts();
     uint32_t alive = 0;
     for (;;) {
         // Behind the paths that go on, ended ones make room for new ones.
         uint32_t begun = 0;
         for (uint32_t slot = alive; slot < Queue::CAPACITY; slot += LANES) {
             alignas(64) uint32_t slots[LANES], pixels[LANES], numbers[LANES];
-            uint32_t count = Queue::CAPACITY - slot < LANES ? Queue::CAPACITY - slot : LANES;
+            uint32_t count = Queue::CAPACITY - slot < LANES ? Queue::CAPACITY - slot : LANES, before = begun;
             for (uint32_t i = 0; i < LANES; i++) {
                 slots[i] = slot + i;
                 pixels[i] = 0;
                 numbers[i] = 0xffffffffu;
                 if (i < count && samples.next(pixels[i], numbers[i])) begun++;
             }
+            if (counts) counts->renew.add(begun - before);
             renew(queue.at(context, slot), firstLanes(count), lanesOf(slots), lanesOf(pixels), lanesOf(numbers));
         }
         alive += begun;
         if (alive == 0) return;
         const Uint zero = splat(0u);
-        for (uint32_t slot = 0; slot < alive; slot += LANES)
-            find(queue.at(context, slot), firstLanes(alive - slot), splat(slot), zero, zero);
+        queue.followAhead(globals, alive, counts);
+        for (uint32_t slot = 0; slot < alive; slot += LANES) {
+            if (counts) queue.count(*counts, slot, alive - slot);
+            find(queue.atFound(context, slot), firstLanes(alive - slot), splat(slot), zero, zero);
+        }
         uint32_t found = queue.divide(alive);
-        for (uint32_t slot = 0; slot < found; slot += LANES)
+        for (uint32_t slot = 0; slot < found; slot += LANES) {
+            if (counts) counts->shade.add(found - slot < LANES ? found - slot : LANES);
             shade(queue.at(context, slot), firstLanes(found - slot), splat(slot), zero, zero);
+        }
         alive = queue.divide(found);
     }
 }

@@ -2,12 +2,14 @@
 
 #![allow(unsafe_code)] // The call itself; all that it relies on is checked here.
 
+mod counts;
 mod wide;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
 use std::sync::Arc;
 
+pub use counts::{Counts, StageCounts};
 use wide::{TraversalWords, WideScene};
 
 use crate::{
@@ -41,6 +43,16 @@ impl InstructionSet {
     /// All levels that this build contains and this processor has, the most capable first.
     pub fn available() -> Vec<Self> {
         BUILT.iter().copied().filter(|set| set.supported()).collect()
+    }
+
+    /// Number of paths that the path tracer follows at once.
+    pub fn lanes(self) -> u32 {
+        lanes(self)
+    }
+
+    /// Whether rays can walk through nodes of eight children: `cpp/traversal.h` takes AVX2.
+    fn walks_wide(self) -> bool {
+        matches!(self, Self::X86V4 | Self::X86V3)
     }
 
     /// Usual name of the level.
@@ -111,12 +123,14 @@ impl TracedHit {
 /// those who measure this alone. Nobody is asked here who takes samples.
 ///
 /// # Panics
-/// A panic if there are not as many hits as rays, or this build or this processor lacks the level `set`.
+/// A panic if there are not as many hits as rays, this build or this processor lacks the level `set`, or the scene was made
+/// for others.
 pub fn follow(set: InstructionSet, scene: &CpuScene, rays: &[TracedRay], hits: &mut [TracedHit]) {
     assert_eq!(rays.len(), hits.len());
     if scene.buffers.nodes.is_empty() {
         return;
     }
+    scene.check_level(set);
     let walk = walk_function(set).filter(|_| InstructionSet::available().contains(&set));
     let walk = walk.unwrap_or_else(|| panic!("there is no {} code for this processor here", set.name()));
     let (work, block) = (Work::default(), scene.block());
@@ -128,10 +142,10 @@ pub fn follow(set: InstructionSet, scene: &CpuScene, rays: &[TracedRay], hits: &
     }
 }
 
-/// Parameters of the kernels: addresses of the scene's block, the work and, behind them, what hand-written code walks through.
-/// They are good as long as these are.
-fn globals(block: &[u64], work: &Work, traversal: Option<&TraversalWords>) -> [u64; TRAVERSAL_WORD + 1] {
-    let mut globals = [0; TRAVERSAL_WORD + 1];
+/// Parameters of the kernels: addresses of the scene's block, the work and, behind them, what hand-written code walks through,
+/// and a null for what it counts. They are good as long as these are.
+fn globals(block: &[u64], work: &Work, traversal: Option<&TraversalWords>) -> [u64; COUNTS_WORD + 1] {
+    let mut globals = [0; COUNTS_WORD + 1];
     globals[TRAVERSAL_WORD] = traversal.map_or(0, |words| words.as_ptr() as u64);
     globals[SCENE_WORD] = block.as_ptr() as u64;
     globals[WORK_WORD] = std::ptr::from_ref(work) as u64;
@@ -146,12 +160,10 @@ include!(concat!(env!("OUT_DIR"), "/cpu_table.rs"));
 /// Way through the hierarchies. All find the same hits, bit for bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Walk {
-    /// Through nodes of eight children, where processor and scene have them: `cpp/traversal.h`. In large scenes rays that
-    /// come together take turns, so that they wait for memory together.
+    /// Through nodes of eight children, where processor and scene have them: `cpp/traversal.h`. Rays that come together take
+    /// turns.
     #[default]
     Wide,
-    /// Through nodes of eight children, in turn whatever the size of the scene.
-    InTurn,
     /// Through binary nodes, as on other devices: `kernels/tracing.slang`.
     Portable,
 }
@@ -164,19 +176,20 @@ const FEW_SHAPES: usize = 32;
 pub struct CpuScene {
     buffers: SceneBuffers,
     walk: Walk,
+    /// Whether rays may walk through nodes of eight children.
+    walks_wide: bool,
     wide: Option<WideScene>,
+    /// Whether the meshes' binary nodes were given up.
+    is_settled: bool,
 }
 
 impl CpuScene {
-    /// Checks the scene in `buffers`; fails if an index in them points nowhere.
-    pub fn new(buffers: SceneBuffers) -> Result<Self, BrokenScene> {
-        Self::with_walk(buffers, Walk::default())
-    }
-
-    /// Scene like that of [`new`](Self::new), through which rays go as `walk` says.
-    pub fn with_walk(buffers: SceneBuffers, walk: Walk) -> Result<Self, BrokenScene> {
+    /// Checks the scene in `buffers`, through which rays are to go as `walk` says, in kernels of the level `set`; fails if an
+    /// index in them points nowhere. Works on all threads of the pool that it is called in.
+    pub fn new(buffers: SceneBuffers, set: InstructionSet, walk: Walk) -> Result<Self, BrokenScene> {
         buffers.check()?;
-        let mut scene = Self { buffers, walk, wide: None };
+        let walks_wide = set.walks_wide() && walk != Walk::Portable;
+        let mut scene = Self { buffers, walk, walks_wide, wide: None, is_settled: false };
         scene.widen();
         Ok(scene)
     }
@@ -190,8 +203,34 @@ impl CpuScene {
             Arc::make_mut(&mut self.buffers.counts)[0].tried = self.buffers.order.len() as u32;
         }
         // Rays that try all shapes walk through no hierarchy.
-        let is_built = cfg!(target_arch = "x86_64") && self.walk != Walk::Portable && !tries_all;
+        let is_built = self.walks_wide && !tries_all;
         self.wide = if is_built { WideScene::new(&self.buffers, self.wide.as_ref()) } else { None };
+    }
+
+    /// Gives up what only [`renew`](Self::renew) could need again, which should not follow: binary nodes of meshes that no
+    /// ray walks through.
+    pub fn settle(&mut self) {
+        if self.wide.is_some() {
+            self.buffers.mesh_nodes = Arc::default();
+            self.is_settled = true;
+        }
+    }
+
+    /// Number of shapes that rays try one by one.
+    pub fn tried(&self) -> u32 {
+        self.buffers.counts[0].tried
+    }
+
+    /// Bytes of all that kernels read of the scene.
+    pub fn bytes(&self) -> usize {
+        let lists: usize = self.buffers.bytes().iter().map(|list| list.bytes.len()).sum();
+        lists + self.wide.as_ref().map_or(0, WideScene::bytes)
+    }
+
+    /// # Panics
+    /// If kernels of the level `set` would read binary nodes that were given up.
+    fn check_level(&self, set: InstructionSet) {
+        assert!(set.walks_wide() || !self.is_settled, "the scene was made for other levels than {}", set.name());
     }
 
     /// Takes another scene in place of this one; what both share is not checked again. Fails if an index in it points
@@ -199,6 +238,7 @@ impl CpuScene {
     pub fn renew(&mut self, buffers: SceneBuffers) -> Result<(), BrokenScene> {
         buffers.check_after(&self.buffers)?;
         self.buffers = buffers;
+        self.is_settled = false;
         self.widen();
         Ok(())
     }
@@ -210,7 +250,7 @@ impl CpuScene {
 
     /// `Traversal` of `cpp/traversal.h`, if rays walk through wide nodes.
     fn traversal(&self) -> Option<TraversalWords> {
-        Some(self.wide.as_ref()?.words(&self.buffers, self.walk == Walk::InTurn))
+        Some(self.wide.as_ref()?.words(&self.buffers))
     }
 
     /// Parameter block of the kernels: the address and length of each buffer, where the reflection puts them.
@@ -241,6 +281,8 @@ pub struct Buffers<'a> {
     pub input: &'a [[f32; 4]],
     /// A bit for each block of the image; see `kernels/buffers.slang`.
     pub resting: &'a [u32],
+    /// What the path tracer has counted so far, if it is to count: that takes a little time.
+    pub counts: Option<&'a mut Counts>,
 }
 
 /// Number of words that hold a bit for each block of the work's image.
@@ -252,9 +294,13 @@ fn resting_words(work: &Work) -> usize {
 /// Runs one kernel over `work` on the calling thread. The display kernel and [`Probe::ToneMap`] need no scene.
 ///
 /// # Panics
-/// If the buffers are smaller than the work, or `set` is not one of [`InstructionSet::available`].
+/// If the buffers are smaller than the work, `set` is not one of [`InstructionSet::available`], or the scene was made for
+/// others.
 pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>, work: &Work, buffers: Buffers<'_>) {
     assert!(set.supported(), "this processor lacks {}", set.name());
+    if let Some(scene) = scene {
+        scene.check_level(set);
+    }
     let simple = scene.is_some_and(|scene| scene.buffers.is_simple());
     let kernel = entry_point(set, entry, simple).expect("this build has kernels for every level it lists");
     let first = work.first_row.checked_sub(work.band_row).expect("the work begins inside its band");
@@ -292,10 +338,12 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
         globals[word] = address;
         globals[word + 1] = count as u64;
     }
+    globals[COUNTS_WORD] = buffers.counts.map_or(0, |counts| std::ptr::from_mut(counts) as u64);
 
     let groups = entry.groups(work);
     // SAFETY: `globals` and `block` have the layout that slangc's reflection gives; every address in them is of a live
-    // slice, exclusively borrowed where the kernel writes; the work stays inside the slices (asserted above) and every
-    // index in the scene stays inside its buffer (checked by `CpuScene::new`).
+    // slice or of counts, exclusively borrowed where the kernel writes; the work stays inside the slices (asserted above)
+    // and every index in the scene stays inside its buffer (checked by `CpuScene::new`), but for binary nodes that were
+    // given up, which no kernel of this level reads (asserted too).
     unsafe { kernel(&groups, globals.as_ptr()) };
 }

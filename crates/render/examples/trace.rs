@@ -8,7 +8,7 @@ use std::io::BufRead;
 use std::path::Path;
 use std::time::Instant;
 
-use raggio_kernels::cpu::{CpuScene, InstructionSet, TracedHit, TracedRay, follow};
+use raggio_kernels::cpu::{CpuScene, InstructionSet, TracedHit, TracedRay, Walk, follow};
 use raggio_render::DeviceScene;
 use raggio_scene::{Integrator, Scene};
 
@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut hits = vec![TracedHit::NOTHING; rays.len()];
 
     let set = InstructionSet::best().ok_or("this processor is too old for the kernels")?;
-    let scene = CpuScene::new(DeviceScene::new(&scene)?.buffers)?;
+    let scene = CpuScene::new(DeviceScene::new(&scene)?.buffers, set, Walk::default())?;
     follow(set, &scene, &rays, &mut hits);
     let found = |hit: &TracedHit| if hit.distance.is_finite() { hit.distance } else { -1.0 };
     let found: Vec<f32> = hits.iter().map(found).collect();

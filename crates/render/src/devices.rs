@@ -2,6 +2,7 @@
 
 pub mod adaptive;
 pub mod choice;
+pub mod counted;
 pub mod cpu;
 pub mod device;
 pub mod films;

@@ -18,6 +18,7 @@ mod translation;
 pub use checkpoint::{CheckpointError, Checkpoints, Every};
 pub use devices::adaptive::Blocks;
 pub use devices::choice::{DeviceChoice, DeviceSelection, OpenOptions, devices, open, open_all};
+pub use devices::counted::Counted;
 pub use devices::cpu::{CpuDevice, CpuOptions};
 pub use devices::device::{Answer, Device, DeviceError, DeviceInfo, Question, Session};
 pub use devices::group::DeviceGroup;
@@ -40,7 +41,7 @@ pub use pictures::png_file::PngBits;
 pub use raggio_choice::{Choice, UnknownName, endings, listed};
 pub use raggio_denoise::{DenoiseError, Denoiser};
 pub use raggio_kernels::compile::FOLDER as KERNELS_FOLDER;
-pub use raggio_kernels::cpu::{InstructionSet, Walk};
+pub use raggio_kernels::cpu::{Counts, InstructionSet, StageCounts, Walk};
 pub use raggio_kernels::{
     Comparison, Feature, FilmPixel, MAX_NESTED_MEDIA, Probe, SamplerKind, Sequence, ShapeKind, Spirv, ToneMapper, View,
 };

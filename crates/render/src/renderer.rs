@@ -252,6 +252,12 @@ impl Renderer {
         Ok(done)
     }
 
+    /// Gives up memory that only [`restart`](Self::restart) could need again, which should not follow: it would take longer.
+    pub fn settle(&mut self) {
+        self.session.settle();
+        self.identity = Arc::new(self.identity.settled());
+    }
+
     /// Numbers of the samples that each pixel is to have at most.
     pub fn samples(&self) -> Range<u32> {
         self.samples.clone()

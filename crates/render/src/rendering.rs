@@ -281,6 +281,11 @@ impl Rendering {
     /// # Errors
     /// A [`DeviceError`] when the device fails and the film is lost with it, but for what a checkpoint has.
     pub fn run(mut self, observer: &mut dyn Observer) -> Result<Rendered, DeviceError> {
+        // No other scene follows; but a device that was lost takes this one once more.
+        if !self.renderer.session().may_be_lost() {
+            self.renderer.settle();
+            self.scene.settle();
+        }
         let failure = self.sample(observer).err();
         self.develop(observer, failure)
     }

@@ -1,10 +1,11 @@
 //! Requests come true: samples, layers, an early end, and what is left of a render whose device fails.
 
 use std::ops::{ControlFlow, Range};
+use std::sync::Arc;
 
 use raggio_render::{
-    Aov, CpuDevice, CpuOptions, Device, DeviceError, DeviceScene, Observer, Portion, Progress, RenderError,
-    RenderRequest, Rendered, Rendering, Session, Stop, Values,
+    Aov, CpuDevice, CpuOptions, Device, DeviceError, DeviceScene, InstructionSet, Observer, Portion, Progress,
+    RenderError, RenderRequest, Rendered, Rendering, Session, Stop, Values, Walk,
 };
 use raggio_scene::Scene;
 
@@ -219,4 +220,51 @@ fn samples_that_follow_are_those_of_one_render() {
     let picture = developed(&mut kept).picture;
     assert_eq!(picture.film, whole.picture.film);
     assert_eq!(picture.extras.channels[1], whole.picture.extras.channels[1]);
+}
+
+/// Observer that asks of each portion whether something is there.
+struct Looker<F>(F, Vec<bool>);
+
+impl<F: Fn() -> bool> Observer for Looker<F> {
+    fn warn(&mut self, warning: &str) {
+        panic!("{warning}");
+    }
+
+    fn progress(&mut self, _: &Progress) -> ControlFlow<()> {
+        self.1.push(self.0());
+        ControlFlow::Continue(())
+    }
+}
+
+/// Binary nodes of meshes go where rays walk through wide ones, and stay where rays need them; pictures, layers and labels
+/// are the same.
+#[test]
+fn renders_give_up_nodes_that_nothing_reads() {
+    let mut scene = Scene::rock(3);
+    (scene.render.width, scene.render.height, scene.render.samples) = (24, 20, 2);
+    let mut pictures = vec![];
+    for set in InstructionSet::available() {
+        for walk in [Walk::Wide, Walk::Portable] {
+            let device = CpuDevice::new(CpuOptions { instruction_set: Some(set), walk, ..CpuOptions::default() });
+            let translated = DeviceScene::new(&scene).expect("the scene fits devices");
+            let nodes = Arc::downgrade(&translated.buffers.mesh_nodes);
+            let request = RenderRequest { layers: vec![Aov::Depth], ..labelled() };
+            let device = device.expect("threads can be had");
+            let rendering = Rendering::begin_translated(&scene, translated, &device, request).expect("it loads");
+            let mut looker = Looker(|| nodes.upgrade().is_some(), vec![]);
+            let rendered = rendering.run(&mut looker).expect("the film is there");
+            let are_read = walk == Walk::Portable || !matches!(set, InstructionSet::X86V3 | InstructionSet::X86V4);
+            assert!(
+                !looker.1.is_empty() && looker.1.iter().all(|are_there| *are_there == are_read),
+                "{set:?}, {walk:?}"
+            );
+            pictures.push((set, walk, rendered.picture));
+        }
+    }
+    let (_, _, first) = &pictures[0];
+    for (set, walk, picture) in &pictures {
+        assert!(picture.film.pixels() == first.film.pixels(), "{set:?}, {walk:?}");
+        assert_eq!(picture.film.label(), first.film.label(), "{set:?}, {walk:?}");
+        assert_eq!(picture.extras.channels[0].values, first.extras.channels[0].values, "{set:?}, {walk:?}");
+    }
 }

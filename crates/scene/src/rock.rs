@@ -8,7 +8,9 @@ use raggio_models::{Mesh, Part};
 
 use crate::scene::{Geometry, Scene, Shape};
 
-const SCENE: &str = "version = 1
+impl Scene {
+    /// Text of the scene file of [`rock`](Self::rock), but for the shape.
+    pub const ROCK: &str = "version = 1
 [render]
 width = 1024
 height = 1024
@@ -23,11 +25,10 @@ color = [0.75, 0.85, 1.0]
 color = [0.7, 0.7, 0.7]
 ";
 
-impl Scene {
     /// Scene with a bumpy sphere of 20 * 4^`level` triangles on a square of two, diffuse under a constant sky. Benchmarks
     /// compare themselves by it, so it stays as it is.
     pub fn rock(level: u32) -> Self {
-        let mut scene = Self::parse(SCENE, "rock").expect("the scene is valid");
+        let mut scene = Self::parse(Self::ROCK, "rock").expect("the scene is valid");
         let mesh = Arc::new(rock(level));
         let geometry = Geometry::Mesh { mesh, world_from_mesh: DAffine3::IDENTITY, first_material: None };
         scene.shapes.push(Shape { entry: 0, material: 0, geometry });

@@ -4,33 +4,27 @@
 Rays are traced one by one on one thread, by `rtcIntersect1` in a robust scene, from a loop in compiled code.
 """
 import pathlib
+import sys
 
 import embreex
 import numpy
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
-import channel
-import world
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+import channel  # noqa: E402
+import rock  # noqa: E402
+import world  # noqa: E402
 
 # Height above the surface at which the next ray starts, so that no rounding decides whether it meets the surface again.
 ABOVE = 1e-4
-
-
-def read_mesh(path):
-    """Corners of all triangles of a PLY as rock.py writes it."""
-    header, body = pathlib.Path(path).read_bytes().split(b"end_header\n", 1)
-    counts = {words[1]: int(words[2]) for words in map(str.split, header.decode().splitlines()) if words[0] == "element"}
-    points = numpy.frombuffer(body, "<f4", 3 * counts["vertex"]).reshape(-1, 3)
-    faces = numpy.frombuffer(body, [("count", "u1"), ("corners", "<i4", 3)], offset=points.nbytes)
-    return points, numpy.ascontiguousarray(faces["corners"])
 
 
 class Tracer:
     def load(self, path):
         source = world.read(path)
         self.camera = source["camera"]
-        self.points, self.faces = read_mesh(source["shapes"][0]["mesh"]["file"])
+        self.points, self.faces = rock.read(source["shapes"][0]["mesh"]["file"])
         self.scene = EmbreeScene(robust=True)
         TriangleMesh(self.scene, self.points, self.faces)
         return {"triangles": len(self.faces)}

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""views_worker.py NAME VIEWS WARM_UP SIZE SAMPLES: renders views with raggio, Mitsuba or pyrender; its last line is JSON.
+"""views_worker.py NAME MESH VIEWS WARM_UP SIZE SAMPLES: renders views with raggio, Mitsuba or pyrender; its last line is JSON.
 
 Each makes the same of each view: colours, depth, normals and numbers of objects as arrays. pyrender rasterises, and renders
 three times: with its own shader, with colours in place of normals, and with one colour for each object.
@@ -15,7 +15,6 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 import channel  # noqa: E402
 import rock  # noqa: E402
 
-LEVEL = 6
 FOV_DEGREES = 40.0
 SKY = (0.75, 0.85, 1.0)
 
@@ -31,10 +30,9 @@ def position(i):
     return (4 * numpy.sin(angle), 1.6 + 1.4 * numpy.sin(0.37 * i), 4 * numpy.cos(angle))
 
 
-def with_raggio(size, samples):
+def with_raggio(points, faces, size, samples):
     import raggio
 
-    points, faces = rock.triangles(LEVEL)
     scene = raggio.Scene()
     scene.environment = raggio.Environment(color=SKY)
     clay = raggio.Material(color=(0.7, 0.7, 0.7))
@@ -51,11 +49,10 @@ def with_raggio(size, samples):
     return f"raggio {raggio.__version__}", render
 
 
-def with_mitsuba(size, samples):
+def with_mitsuba(points, faces, size, samples):
     from mitsuba_worker import drjit, mitsuba
 
     mitsuba.set_variant("llvm_ad_rgb")
-    points, faces = rock.triangles(LEVEL)
     clay = {"type": "twosided", "inner": {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.7}}}
 
     def mesh(points, faces):
@@ -93,14 +90,13 @@ def with_mitsuba(size, samples):
     return f"Mitsuba {mitsuba.__version__} `llvm_ad_rgb`", render
 
 
-def with_pyrender(size, samples):
+def with_pyrender(points, faces, size, samples):
     os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
     # pyrender is older than NumPy 2.
     numpy.infty = numpy.inf
     import pyrender
     import trimesh
 
-    points, faces = rock.triangles(LEVEL)
     parts = [trimesh.Trimesh(points[:-4], faces[:-2], process=False),
              trimesh.Trimesh(points[-4:], faces[-2:] - (len(points) - 4), process=False)]
     scene = pyrender.Scene(ambient_light=SKY, bg_color=SKY)
@@ -134,8 +130,9 @@ def with_pyrender(size, samples):
 
 
 def main():
-    name, views, warm_up, size, samples = sys.argv[1], *map(int, sys.argv[2:])
-    title, render = {"raggio": with_raggio, "mitsuba": with_mitsuba, "pyrender": with_pyrender}[name](size, samples)
+    name, mesh, views, warm_up, size, samples = *sys.argv[1:3], *map(int, sys.argv[3:])
+    ready = {"raggio": with_raggio, "mitsuba": with_mitsuba, "pyrender": with_pyrender}[name]
+    title, render = ready(*rock.read(mesh), size, samples)
     for i in range(warm_up):
         arrays = [numpy.asarray(array) for array in render(i)]
     # Each shows the scene: rock in the middle, all three of ground, rock and sky somewhere.

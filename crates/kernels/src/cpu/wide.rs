@@ -4,11 +4,13 @@
 mod blocks;
 mod collapse;
 
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
+
+use rayon::prelude::*;
 
 use self::blocks::{Blocks, InstanceRecord};
-use self::collapse::{LEAF, Leaves, Node, collapse};
-use crate::{BvhChild, BvhNode, Mesh, SceneBuffers, ShapeKind, ShapeReference, Triangle};
+use self::collapse::{LEAF, Leaves, MOST_PLACES, Node, collapse};
+use crate::{BvhChild, BvhNode, Mesh, SceneBuffers, ShapeKind, ShapeReference};
 
 /// `Traversal` of `cpp/traversal.h`.
 pub type TraversalWords = [u64; 9];
@@ -33,8 +35,8 @@ pub struct WideScene {
 /// Hierarchies of all meshes.
 #[derive(Debug)]
 struct WideMeshes {
-    /// Hierarchies that these were made from.
-    source: (Arc<Vec<BvhNode>>, Arc<Vec<Mesh>>),
+    /// Hierarchies that these were made from, and that others need not keep.
+    source: (Weak<Vec<BvhNode>>, Weak<Vec<Mesh>>),
     nodes: Vec<Node>,
     /// Each mesh's root and the place where its nodes begin.
     roots: Vec<(u32, u32)>,
@@ -42,32 +44,46 @@ struct WideMeshes {
 
 impl WideScene {
     /// Translates the checked scene in `buffers`; what `before` has of the same meshes is taken over. `None` where a mesh
-    /// has more triangles than a reference can count, or a shape is of a kind that the wide walk does not know.
+    /// has more triangles than a reference can count, there are as many shapes, or one is of a kind that the wide walk does not
+    /// know.
     pub fn new(buffers: &SceneBuffers, before: Option<&Self>) -> Option<Self> {
         let bounded = &buffers.order[buffers.counts[0].unbounded as usize..];
-        if !bounded.iter().all(|shape| Blocks::holds(shape.kind)) {
+        if !bounded.iter().all(|shape| Blocks::holds(shape.kind)) || buffers.order.len() > MOST_PLACES as usize {
             return None;
         }
-        let source = (&buffers.mesh_nodes, &buffers.meshes);
-        let same = |old: &WideMeshes| Arc::ptr_eq(&old.source.0, source.0) && Arc::ptr_eq(&old.source.1, source.1);
+        let source = WideMeshes::source(buffers);
+        let same = |old: &WideMeshes| old.source.0.ptr_eq(&source.0) && old.source.1.ptr_eq(&source.1);
         let meshes = match before {
             Some(before) if same(&before.meshes) => before.meshes.clone(),
             _ => Arc::new(WideMeshes::new(buffers)?),
         };
-        let mut blocks = Blocks::default();
-        let mut nodes = vec![];
-        let root = if buffers.nodes.is_empty() {
-            NONE
-        } else {
+        let mut scene = Self { meshes, nodes: vec![], root: NONE, blocks: Blocks::default() };
+        if !buffers.nodes.is_empty() {
             let single = one_by_one(&buffers.nodes);
-            let mut leaves = Shapes { buffers, meshes: &meshes, blocks: &mut blocks };
-            collapse(&single, 0, &mut leaves, &mut nodes)
-        };
-        Some(Self { meshes, nodes, root, blocks })
+            (scene.root, scene.nodes) = collapse(&single, 0..single.len(), &Shapes(buffers));
+            scene.fill_blocks(buffers);
+        }
+        Some(scene)
     }
 
-    /// `Traversal` of `cpp/traversal.h`; rays take turns if `in_turn`, or where the scene is large. Its addresses are good as long as this scene and `buffers` are.
-    pub fn words(&self, buffers: &SceneBuffers, in_turn: bool) -> TraversalWords {
+    /// Puts the shapes of all leaves into blocks, in the order of the nodes, and refers to these instead.
+    fn fill_blocks(&mut self, buffers: &SceneBuffers) {
+        let Self { meshes, nodes, root, blocks } = self;
+        let children = nodes.iter_mut().flat_map(|node| &mut node.children);
+        for reference in std::iter::once(root).chain(children).filter(|child| **child & LEAF != 0 && **child != NONE) {
+            let (count, first) = collapse::leaf_parts(*reference);
+            let shapes = buffers.order[first as usize..][..count as usize + 1].iter().enumerate();
+            let placed = shapes.map(|(i, &shape)| (first + i as u32, shape));
+            *reference = blocks.add(buffers, placed, |instance| {
+                let mesh = instance.mesh as usize;
+                let (root, first_node) = meshes.roots[mesh];
+                InstanceRecord::new(instance, root, first_node, buffers.meshes[mesh].first_triangle)
+            });
+        }
+    }
+
+    /// `Traversal` of `cpp/traversal.h`. Its addresses are good as long as this scene and `buffers` are.
+    pub fn words(&self, buffers: &SceneBuffers) -> TraversalWords {
         let Blocks { instances, spheres, rectangles, boxes } = &self.blocks;
         [
             self.nodes.as_ptr() as u64,
@@ -78,32 +94,52 @@ impl WideScene {
             rectangles.as_ptr() as u64,
             boxes.as_ptr() as u64,
             u64::from(self.root),
-            u64::from(in_turn || self.bytes(buffers) > NEAR),
+            u64::from(self.bytes_of_nodes() + size_of_val(&buffers.triangles[..]) > NEAR),
         ]
     }
 
-    /// Bytes of nodes and triangles.
-    fn bytes(&self, buffers: &SceneBuffers) -> usize {
-        let nodes = self.nodes.len() + self.meshes.nodes.len();
-        nodes * size_of::<Node>() + buffers.triangles.len() * size_of::<Triangle>()
+    fn bytes_of_nodes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.meshes.nodes[..])
+    }
+
+    /// Bytes of all lists.
+    pub fn bytes(&self) -> usize {
+        self.bytes_of_nodes() + self.blocks.bytes()
     }
 }
 
 impl WideMeshes {
     fn new(buffers: &SceneBuffers) -> Option<Self> {
-        if buffers.meshes.iter().any(|mesh| mesh.triangles > collapse::MOST_PLACES) {
+        let SceneBuffers { meshes, mesh_nodes, .. } = buffers;
+        if meshes.iter().any(|mesh| mesh.triangles > MOST_PLACES) {
             return None;
         }
+        let parts: Vec<_> = (0..meshes.len())
+            .into_par_iter()
+            .map(|i| {
+                let end = meshes.get(i + 1).map_or(mesh_nodes.len(), |next| next.root as usize);
+                let leaves = Triangles { first: meshes[i].first_triangle };
+                collapse(mesh_nodes, meshes[i].root as usize..end, &leaves)
+            })
+            .collect();
         let mut nodes = vec![];
-        let roots = buffers.meshes.iter().map(|mesh| {
+        let roots = parts.into_iter().map(|(root, mut part)| {
             let first = nodes.len() as u32;
-            let root =
-                collapse(&buffers.mesh_nodes, mesh.root, &mut Triangles { first: mesh.first_triangle }, &mut nodes);
+            // A single mesh is not copied.
+            if nodes.is_empty() {
+                nodes = part;
+            } else {
+                nodes.append(&mut part);
+            }
             // References count from the mesh's own first node.
             (root, first)
         });
         let roots = roots.collect();
-        Some(Self { source: (buffers.mesh_nodes.clone(), buffers.meshes.clone()), nodes, roots })
+        Some(Self { source: Self::source(buffers), nodes, roots })
+    }
+
+    fn source(buffers: &SceneBuffers) -> (Weak<Vec<BvhNode>>, Weak<Vec<Mesh>>) {
+        (Arc::downgrade(&buffers.mesh_nodes), Arc::downgrade(&buffers.meshes))
     }
 }
 
@@ -118,23 +154,13 @@ impl Leaves for Triangles {
         (count <= MOST_TRIANGLES).then(|| BLOCK_COST * count.div_ceil(4) as f32)
     }
 
-    fn reference(&mut self, first: u32, count: u32) -> u32 {
+    fn reference(&self, first: u32, count: u32) -> u32 {
         collapse::leaf(count - 1, first - self.first)
     }
 }
 
-/// Shapes of the upper hierarchy.
-struct Shapes<'a> {
-    buffers: &'a SceneBuffers,
-    meshes: &'a WideMeshes,
-    blocks: &'a mut Blocks,
-}
-
-impl Shapes<'_> {
-    fn run(&self, first: u32, count: u32) -> &[ShapeReference] {
-        &self.buffers.order[first as usize..][..count as usize]
-    }
-}
+/// Shapes of the upper hierarchy. References are to their places, until blocks are there.
+struct Shapes<'a>(&'a SceneBuffers);
 
 impl Leaves for Shapes<'_> {
     fn cost(&self, first: u32, count: u32) -> Option<f32> {
@@ -142,18 +168,12 @@ impl Leaves for Shapes<'_> {
         if count == 1 {
             return Some(BLOCK_COST);
         }
-        let run = (count <= 4).then(|| self.run(first, count))?;
+        let run = (count <= 4).then(|| &self.0.order[first as usize..][..count as usize])?;
         (alike(run) && run[0].kind != ShapeKind::Instance as u32).then_some(BLOCK_COST)
     }
 
-    fn reference(&mut self, first: u32, count: u32) -> u32 {
-        let shapes = self.buffers.order[first as usize..][..count as usize].iter().enumerate();
-        let placed = shapes.map(|(i, &shape)| (first + i as u32, shape));
-        self.blocks.add(self.buffers, placed, |instance| {
-            let mesh = instance.mesh as usize;
-            let (root, first_node) = self.meshes.roots[mesh];
-            InstanceRecord::new(instance, root, first_node, self.buffers.meshes[mesh].first_triangle)
-        })
+    fn reference(&self, first: u32, count: u32) -> u32 {
+        collapse::leaf(count - 1, first)
     }
 }
 

@@ -104,9 +104,10 @@ impl Device for CpuDevice {
     }
 
     fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
+        let Workers { pool, set, walk, .. } = &*self.workers;
         Ok(Box::new(CpuSession {
             workers: self.workers.clone(),
-            scene: CpuScene::with_walk(scene.buffers.clone(), self.workers.walk)?,
+            scene: pool.install(|| CpuScene::new(scene.buffers.clone(), *set, *walk))?,
             work: scene.work,
             integrator: scene.settings.integrator,
             resting: vec![],
@@ -187,7 +188,7 @@ impl Session for CpuSession {
     }
 
     fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
-        self.scene.renew(scene.buffers.clone())?;
+        self.workers.pool.install(|| self.scene.renew(scene.buffers.clone()))?;
         if (self.work.width, self.work.height) != (scene.work.width, scene.work.height) {
             self.reference = vec![];
         }
@@ -195,6 +196,10 @@ impl Session for CpuSession {
         self.integrator = scene.settings.integrator;
         self.resting = vec![];
         self.films.renew(|| Ok(Film::new(scene.work.width, scene.work.height)))
+    }
+
+    fn settle(&mut self) {
+        self.scene.settle();
     }
 
     fn set_reference(&mut self, reference: Option<&Image>) -> Result<(), DeviceError> {

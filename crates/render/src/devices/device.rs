@@ -91,6 +91,9 @@ pub trait Session: Send {
         false
     }
 
+    /// Gives up memory that only [`Session::restart`] could need again, which should not follow: it would take longer.
+    fn settle(&mut self) {}
+
     /// Sets the image that films of radiance are [compared](Display::comparison) with from now on, resized to the
     /// film's size; `None` takes it away.
     fn set_reference(&mut self, reference: Option<&Image>) -> Result<(), DeviceError>;

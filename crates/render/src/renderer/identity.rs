@@ -45,6 +45,12 @@ impl Identity {
         Self { buffers: scene.buffers.clone(), settings: scene.settings.clone(), hash: OnceLock::new() }
     }
 
+    /// This identity without what its hash does not need.
+    pub fn settled(&self) -> Self {
+        let buffers = SceneBuffers { mesh_nodes: Arc::default(), ..self.buffers.clone() };
+        Self { buffers, settings: self.settings.clone(), hash: self.hash.clone() }
+    }
+
     /// Settings of the render.
     pub fn settings(&self) -> &RenderSettings {
         &self.settings
@@ -59,9 +65,12 @@ impl Identity {
 /// Lists that tell how the scene has moved, by their names.
 const MOTION: [&str; 2] = ["motion", "motion_rows"];
 
-/// Hash of all that kernels read of a scene for a sample of radiance. The filter's table is a setting.
+/// Lists that decide how fast surfaces are found, and never which: hits are the same in any hierarchy.
+const HIERARCHY: [&str; 2] = ["nodes", "mesh_nodes"];
+
+/// Hash of all that decides a sample of radiance in a scene. The filter's table is a setting.
 pub(crate) fn scene_hash(buffers: &SceneBuffers) -> [u8; 32] {
-    hash(buffers, |name| name != "filter_table" && !MOTION.contains(&name))
+    hash(buffers, |name| name != "filter_table" && !MOTION.contains(&name) && !HIERARCHY.contains(&name))
 }
 
 /// Hash of how a scene has moved since the frame before.

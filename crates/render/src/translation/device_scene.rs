@@ -156,6 +156,13 @@ impl DeviceScene {
         Ok(())
     }
 
+    /// Gives up hierarchies of meshes, which devices have taken over. Neither may this be loaded afterwards, nor
+    /// [updated](Self::update).
+    pub(crate) fn settle(&mut self) {
+        self.buffers.mesh_nodes = Arc::default();
+        self.meshes.settle();
+    }
+
     /// Number of shapes in the scene.
     pub fn shapes(&self) -> usize {
         self.buffers.order.len()

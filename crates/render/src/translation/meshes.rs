@@ -79,6 +79,11 @@ impl Meshes {
         buffers.meshes = self.infos.clone();
     }
 
+    /// Gives up the hierarchies; nothing can be held anew afterwards.
+    pub fn settle(&mut self) {
+        self.nodes = Arc::default();
+    }
+
     /// Part of the lists that was appended for the mesh at `place`.
     fn part(&self, place: usize) -> Part {
         let DeviceMesh { root, first_triangle, normals, tangents, uv0, uv1, colors, .. } = self.infos[place];

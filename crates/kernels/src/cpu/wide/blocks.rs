@@ -82,6 +82,12 @@ impl Blocks {
         known.iter().any(|known| *known as u32 == kind)
     }
 
+    /// Bytes of all lists.
+    pub fn bytes(&self) -> usize {
+        let Self { instances, spheres, rectangles, boxes } = self;
+        size_of_val(&instances[..]) + size_of_val(&spheres[..]) + size_of_val(&rectangles[..]) + size_of_val(&boxes[..])
+    }
+
     /// Adds up to four `shapes` of one kind, or one instance, and returns the reference to the leaf that holds them.
     pub fn add(
         &mut self,
