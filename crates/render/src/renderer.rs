@@ -231,6 +231,12 @@ impl Renderer {
         Ok(())
     }
 
+    /// Gives up memory that only [`restart`](Self::restart) could need again, which should not follow: it would take longer.
+    pub fn settle(&mut self) {
+        self.session.settle();
+        self.identity = Arc::new(self.identity.settled());
+    }
+
     /// Begins anew after a failure of the device with `scene`, which has not changed: from `gathered`, or from the first sample.
     /// Returns what has been done about the failure, in words.
     ///
@@ -250,12 +256,6 @@ impl Renderer {
             self.go_on(film, state, adaptive)?;
         }
         Ok(done)
-    }
-
-    /// Gives up memory that only [`restart`](Self::restart) could need again, which should not follow: it would take longer.
-    pub fn settle(&mut self) {
-        self.session.settle();
-        self.identity = Arc::new(self.identity.settled());
     }
 
     /// Numbers of the samples that each pixel is to have at most.

@@ -281,7 +281,7 @@ impl Rendering {
     /// # Errors
     /// A [`DeviceError`] when the device fails and the film is lost with it, but for what a checkpoint has.
     pub fn run(mut self, observer: &mut dyn Observer) -> Result<Rendered, DeviceError> {
-        // No other scene follows; but a device that was lost takes this one once more.
+        // No other scene follows, nor this one once more where no device can be lost.
         if !self.renderer.session().may_be_lost() {
             self.renderer.settle();
             self.scene.settle();

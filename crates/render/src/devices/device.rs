@@ -79,6 +79,10 @@ pub trait Session: Send {
     /// gone.
     fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError>;
 
+    /// Gives up memory that only [`Session::restart`] could need again, which should not follow: it would take longer. What may
+    /// be lost is asked for no such thing.
+    fn settle(&mut self) {}
+
     /// Begins anew with `scene` after a failure: what was lost is opened again, or the others of several devices go on without
     /// it. Films have no samples, no block rests, and the reference is gone. Returns what has been done, in words. After an
     /// error nothing but this can follow.
@@ -90,9 +94,6 @@ pub trait Session: Send {
     fn may_be_lost(&self) -> bool {
         false
     }
-
-    /// Gives up memory that only [`Session::restart`] could need again, which should not follow: it would take longer.
-    fn settle(&mut self) {}
 
     /// Sets the image that films of radiance are [compared](Display::comparison) with from now on, resized to the
     /// film's size; `None` takes it away.

@@ -210,10 +210,6 @@ impl Session for GroupSession {
         self.sessions().try_for_each(|session| session.rest(blocks))
     }
 
-    fn settle(&mut self) {
-        self.sessions().for_each(|session| session.settle());
-    }
-
     fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
         // Until all have the scene, none of them is any use.
         self.broken = Some("a device".into());

@@ -383,10 +383,6 @@ impl Session for VulkanSession {
         Ok(())
     }
 
-    fn settle(&mut self) {
-        self.resident.scene.mesh_nodes = Arc::default();
-    }
-
     fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
         scene.buffers.check_after(&self.resident.scene)?;
         self.resident = self.kernels.upload(&scene.buffers, Some(&self.resident))?;
