@@ -4,6 +4,7 @@
 //! whose meshes and images may be in memory. Whatever takes time runs without Python's lock.
 
 mod errors;
+mod film;
 mod host;
 mod images;
 mod meshes;
@@ -22,13 +23,15 @@ mod _raggio {
     use super::*;
 
     #[pymodule_export]
+    use super::film::Film;
+    #[pymodule_export]
     use super::images::{encode_png, tonemap, write_image};
     #[pymodule_export]
     use super::picture::Metadata;
     #[pymodule_export]
     use super::scene::{SceneText, check_camera};
     #[pymodule_export]
-    use super::session::{Session, devices, forget_after_fork};
+    use super::session::{Session, devices, forget_after_fork, metadata};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

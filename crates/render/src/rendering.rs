@@ -14,7 +14,7 @@ use crate::checkpoint::{Checkpoint, CheckpointError, Checkpoints, Every, Keeper,
 use crate::devices::device::{Device, DeviceError};
 use crate::devices::machine::{TooLarge, check_films};
 use crate::pictures::aov::Features;
-use crate::pictures::film::Film;
+use crate::pictures::film::{Film, Portion};
 use crate::pictures::image_file::Extras;
 use crate::pictures::metadata::Metadata;
 use crate::pictures::output_file::write_free;
@@ -203,6 +203,16 @@ impl Rendering {
         self.renderer.set_target(samples);
     }
 
+    /// Begins anew with other samples of the same picture.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails.
+    pub fn restart_with(&mut self, samples: Range<u32>) -> Result<(), DeviceError> {
+        self.renderer.restart_with(samples, &self.scene)?;
+        self.spent = 0.0;
+        Ok(())
+    }
+
     /// Begins anew with another scene; what both have in common stays on the device.
     ///
     /// # Errors
@@ -280,19 +290,64 @@ impl Rendering {
                 film.rejected(),
             ));
         }
+        let keeper = self.keeper.take();
+        let picture = self.finish(film, &mut failure, observer);
+        let (shapes, triangles) = (self.scene.shapes(), self.scene.triangles());
+        Ok(Rendered { picture, progress, finished, failure, checkpoint, shapes, triangles, keeper, unsaved })
+    }
+
+    /// Makes the picture of a film that others have sampled in `seconds` and that was found at `path`, with layers and guides
+    /// as [`Rendering::develop`] does.
+    ///
+    /// # Errors
+    /// A [`CheckpointError`] when the film is of another picture.
+    pub fn develop_film(
+        &mut self,
+        film: Film,
+        path: &Path,
+        seconds: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<Rendered, RenderError> {
+        self.renderer.check_film(&film, path)?;
+        let whole = Portion { samples: self.samples(), rows: 0..film.height() };
+        let finished = film.label().is_some_and(|label| label.portions() == [whole]);
+        let samples = film.sample_range().0;
+        let progress = Progress {
+            samples,
+            total_samples: film.samples() + film.rejected(),
+            fraction: f64::from(samples) / f64::from(self.renderer.target()),
+            noise: None,
+            seconds,
+        };
+        let mut failure = None;
+        let picture = self.finish(film, &mut failure, observer);
+        let (shapes, triangles) = (self.scene.shapes(), self.scene.triangles());
+        let checkpoint = Some(path.to_owned());
+        Ok(Rendered {
+            picture,
+            progress,
+            finished,
+            failure,
+            checkpoint,
+            shapes,
+            triangles,
+            keeper: None,
+            unsaved: None,
+        })
+    }
+
+    /// Adds to a film what belongs to its picture, unless the device has met a `failure` or meets one now.
+    fn finish(&mut self, film: Film, failure: &mut Option<DeviceError>, observer: &mut dyn Observer) -> Picture {
         let mut features = None;
         let mut coverage = None;
         if failure.is_none() {
             match self.features(observer, &film) {
                 Ok(found) => (features, coverage) = (Some(found.0), found.1),
-                Err(error) => failure = Some(error),
+                Err(error) => *failure = Some(error),
             }
         }
-        let film = film.with_coverage(coverage);
-        let (shapes, triangles) = (self.scene.shapes(), self.scene.triangles());
-        let keeper = self.keeper.take();
-        let picture = self.picture(film, features);
-        Ok(Rendered { picture, progress, finished, failure, checkpoint, shapes, triangles, keeper, unsaved })
+        let film = if coverage.is_some() { film.with_coverage(coverage) } else { film };
+        self.picture(film, features)
     }
 
     /// Takes samples until there are enough, in number or by the clock, or `observer` breaks off.
@@ -389,10 +444,10 @@ impl Rendering {
     }
 
     /// Renders what the layers and the denoiser need to know of first surfaces, and their coverage if the picture has an
-    /// alpha channel.
+    /// alpha channel and the film does not have it yet.
     fn features(&mut self, observer: &mut dyn Observer, film: &Film) -> Result<(Features, Option<Film>), DeviceError> {
         let wanted = self.request.features();
-        let has_alpha = self.scene.settings.alpha;
+        let has_alpha = self.scene.settings.alpha && film.coverage().is_none();
         if has_alpha || !wanted.is_empty() {
             observer.begin(Phase::Layers);
         }
