@@ -291,7 +291,7 @@ impl Rendering {
             ));
         }
         let keeper = self.keeper.take();
-        let picture = self.finish(film, &mut failure, observer);
+        let picture = self.finish(film, &progress, &mut failure, observer);
         let (shapes, triangles) = (self.scene.shapes(), self.scene.triangles());
         Ok(Rendered { picture, progress, finished, failure, checkpoint, shapes, triangles, keeper, unsaved })
     }
@@ -320,7 +320,7 @@ impl Rendering {
             seconds,
         };
         let mut failure = None;
-        let picture = self.finish(film, &mut failure, observer);
+        let picture = self.finish(film, &progress, &mut failure, observer);
         let (shapes, triangles) = (self.scene.shapes(), self.scene.triangles());
         let checkpoint = Some(path.to_owned());
         Ok(Rendered {
@@ -337,11 +337,17 @@ impl Rendering {
     }
 
     /// Adds to a film what belongs to its picture, unless the device has met a `failure` or meets one now.
-    fn finish(&mut self, film: Film, failure: &mut Option<DeviceError>, observer: &mut dyn Observer) -> Picture {
+    fn finish(
+        &mut self,
+        film: Film,
+        progress: &Progress,
+        failure: &mut Option<DeviceError>,
+        observer: &mut dyn Observer,
+    ) -> Picture {
         let mut features = None;
         let mut coverage = None;
         if failure.is_none() {
-            match self.features(observer, &film) {
+            match self.features(observer, &film, progress) {
                 Ok(found) => (features, coverage) = (Some(found.0), found.1),
                 Err(error) => *failure = Some(error),
             }
@@ -445,7 +451,12 @@ impl Rendering {
 
     /// Renders what the layers and the denoiser need to know of first surfaces, and their coverage if the picture has an
     /// alpha channel and the film does not have it yet.
-    fn features(&mut self, observer: &mut dyn Observer, film: &Film) -> Result<(Features, Option<Film>), DeviceError> {
+    fn features(
+        &mut self,
+        observer: &mut dyn Observer,
+        film: &Film,
+        progress: &Progress,
+    ) -> Result<(Features, Option<Film>), DeviceError> {
         let wanted = self.request.features();
         let has_alpha = self.scene.settings.alpha && film.coverage().is_none();
         if has_alpha || !wanted.is_empty() {
@@ -453,9 +464,8 @@ impl Rendering {
         }
         // The mean number, where parts of the picture have more than others; an early end ends these films early too.
         let samples = (film.samples() / film.pixels().len() as u64).clamp(1, MOST_FEATURE_SAMPLES) as u32;
-        let progress = self.renderer.progress();
-        let features = Features::render(&mut self.renderer, &wanted, samples, || observer.progress(&progress))?;
-        let coverage = has_alpha.then(|| self.renderer.coverage(film, || observer.progress(&progress)));
+        let features = Features::render(&mut self.renderer, &wanted, samples, || observer.progress(progress))?;
+        let coverage = has_alpha.then(|| self.renderer.coverage(film, || observer.progress(progress)));
         Ok((features, coverage.transpose()?))
     }
 

@@ -15,12 +15,18 @@ from .._errors import Error
 #: Seconds in which the head of a cluster has to answer.
 PATIENCE = 5.0
 
+#: Beginning of HTTP/2, which Ray speaks: the client's preface with its empty settings, and the kind of the frame that answers.
+GREETING = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + bytes([0, 0, 0, 4, 0, 0, 0, 0, 0])
+SETTINGS = b"\x04"
+
 #: Settings of Ray's environment by which it keeps to its work: no telemetry, no advice.
 QUIET = {
     "RAY_USAGE_STATS_ENABLED": "0",
     "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0",
     "RAY_DISABLE_IMPORT_WARNING": "1",
     "RAY_enable_metrics_collection": "0",
+    # Seconds for which a head is asked that answers and does not let anybody in.
+    "RAY_NUM_REDIS_GET_RETRIES": "5",
 }
 
 
@@ -95,12 +101,15 @@ def _check_answer(address: str) -> None:
     if not host or not port.isdigit() or not 0 < int(port) < 65536:
         raise ClusterError(f"the cluster's address is {address!r}: give HOST:PORT of its head, auto or local")
     try:
-        socket.create_connection((host.strip("[]"), int(port)), timeout=PATIENCE).close()
+        with socket.create_connection((host.strip("[]"), int(port)), timeout=PATIENCE) as to:
+            to.sendall(GREETING)
+            is_head = os.environ.get("RAY_USE_TLS") == "1" or to.recv(4, socket.MSG_WAITALL)[3:] == SETTINGS
     except OSError as error:
-        reason = "does not answer" if isinstance(error, TimeoutError) else str(error.strerror or error)
-        raise ClusterError(
-            f"no cluster at {address}: {reason}; `ray start --head --port={port}` starts one there"
-        ) from None
+        reason = "it does not answer" if isinstance(error, TimeoutError) else str(error.strerror or error)
+        hint = f"`ray start --head --port={port}` starts one there"
+        raise ClusterError(f"no cluster at {address}: {reason}; {hint}") from None
+    if not is_head:
+        raise ClusterError(f"no cluster at {address}: what answers there is something else; 6379 is Ray's usual port")
 
 
 def _reason(address: str, error: Exception) -> str:
@@ -114,4 +123,6 @@ def _reason(address: str, error: Exception) -> str:
             return f"the cluster at {address} has {theirs}, and this is {ours}: all machines need the same, to the last number"
     if address == "auto":
         return "this machine is not part of a cluster: `ray start --address=HOST:PORT` joins one, and `local` needs none"
+    if "Failed to connect to Ray cluster" in text:
+        return f"the cluster at {address} does not let this process in: where it wants its token, set RAY_AUTH_MODE=token"
     return f"no cluster at {address}: {text.strip().splitlines()[0] if text.strip() else type(error).__name__}"

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .._errors import SceneError
+from .._errors import OutputError, SceneError
 from .._raggio import SceneText
 
 Contents = npt.NDArray[np.uint8]
@@ -31,7 +31,11 @@ class Manifest:
     @classmethod
     def of(cls, text: SceneText, folder: Path) -> Manifest:
         """The files of a scene whose paths are relative to ``folder``."""
-        hashes = {path: hash_of(path) for path in text.files()}
+        return cls.named_in(text, folder, {path: hash_of(path) for path in text.files()})
+
+    @classmethod
+    def named_in(cls, text: SceneText, folder: Path, hashes: dict[str, str]) -> Manifest:
+        """The files of these ``hashes``, and how the text names them."""
         named = {word: os.path.realpath(folder / word) for word in _strings(text.get([]))}
         return cls(hashes, {word: path for word, path in named.items() if path in hashes})
 
@@ -78,6 +82,22 @@ def read(path: str, wanted: str) -> Contents:
     if hashlib.blake2b(contents.data, digest_size=32).hexdigest() != wanted:
         raise SceneError(f"{path} has changed since the render began: render again")
     return contents
+
+
+def write_whole(path: str, contents: bytes) -> None:
+    """Writes a file, whole or not at all."""
+    place = os.path.realpath(path)
+    part = f"{place}.part"
+    try:
+        with open(part, "wb") as file:
+            file.write(contents)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(part, place)
+    except OSError as error:
+        if os.path.exists(part):
+            os.remove(part)
+        raise OutputError(f"cannot write {path}: {error.strerror}") from None
 
 
 def _strings(value: Any) -> Iterator[str]:

@@ -68,7 +68,9 @@ def main() -> int:
     """Runs the program until it is done, or nobody waits for it any more."""
 
     def watch() -> None:
-        sys.stdin.buffer.read()
+        # Not by Python's own reader, whose lock would be missed at the end.
+        while os.read(0, 4096):
+            pass
         os._exit(130)
 
     threading.Thread(target=watch, daemon=True).start()
@@ -76,7 +78,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    # A lock on standard input, which is read meanwhile, would make an ordinary end fail.
-    status = main()
-    sys.stderr.flush()
-    os._exit(status)
+    sys.exit(main())

@@ -290,7 +290,7 @@ def _pictures(
         crew = Crew(ray, scene, order, _warn)
         job = Pictures(crew, "picture", cameras, bundled=False)
         try:
-            for _ in _until_empty(crew, job):
+            for _ in until_empty(crew, job):
                 for (place,), told, made in job.take_made():
                     if report is not None:
                         report(1 - job.left / len(cameras), made["samples"][0], time.monotonic() - begun)
@@ -311,7 +311,7 @@ def _pictures(
             crew.close()
 
 
-def _until_empty(crew: Crew, job: Pictures[Any]) -> Iterator[None]:
+def until_empty(crew: Crew, job: Pictures[Any]) -> Iterator[None]:
     """The run of a crew, and once more for what has come last."""
     yield from crew.run(job)
     yield

@@ -35,19 +35,17 @@ class Order:
     """Render that all workers take part in."""
 
     manifest: Manifest
-    camera: Camera | None
-    size: tuple[int, int] | None
-    seed: int | None
-    max_depth: int | None
-    alpha: bool | None
-    device: str
-    threads: int | None
+    camera: Camera | None = None
+    size: tuple[int, int] | None = None
+    seed: int | None = None
+    max_depth: int | None = None
+    alpha: bool | None = None
+    device: str = "all"
+    threads: int | None = None
     aovs: tuple[str, ...] = ()
     denoise: bool = False
     samples: int | None = None
     integrator: str | None = None
-    #: Further keys of the scene's ``[render]``, as texts of TOML.
-    overrides: tuple[tuple[str, str], ...] = ()
     #: Whether films of ranges of samples are to be made, rather than pictures.
     films: bool = False
     #: Frames of an animation, if they are what is to be made.
@@ -60,8 +58,6 @@ class Order:
 
     def session(self, scene: Scene, threads: int | None) -> _raggio.Session:
         """Brings the scene to the devices of this machine."""
-        for key, value in self.overrides:
-            scene._text.set(["render", key], value)
         # A batch has a camera for each picture, and the scene may have none.
         camera = self.camera or (None if scene.camera else Camera.look_at((0, 0, 1), (0, 0, 0)))
         return _render._session(
