@@ -7,6 +7,7 @@ import time
 from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Generic, TypeVar
 
 from .._errors import InternalError, SceneError
@@ -167,7 +168,7 @@ class Samples:
             made = self._waiting.popleft()
             made.since = now
             self._coming.append(made)
-            self._crew.when(made.film, lambda film, error, made=made: self._arrived(made, film, error))
+            self._crew.when(made.film, partial(self._arrived, made))
         while len(self._waiting) >= FAN_IN:
             self._sum([self._waiting.popleft() for _ in range(FAN_IN)])
 
