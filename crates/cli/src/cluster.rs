@@ -68,8 +68,12 @@ pub fn run(job: Job, address: &str, arguments: &RenderArguments, assets: &mut As
     let film = match (Film::read(&kept.path), &failure) {
         // A film that is left of an earlier render is none of this one.
         (Ok(film), _) if kept.resume || summary.has_film || kept.is_new() => film,
-        (_, Some(_)) => return Err(failure.unwrap_or(Failure::Interrupted(0))),
-        _ => return listener.stopped.signal().map_or(Ok(()), |signal| Err(Failure::Interrupted(signal))),
+        (found, _) => {
+            let signal = listener.stopped.signal().map(Failure::Interrupted);
+            let nothing =
+                || found.err().map_or(Failure::Device("the cluster has rendered nothing".into()), Failure::from);
+            return Err(failure.or(signal).unwrap_or_else(nothing));
+        }
     };
     let device = ready(machine.quiet, || raggio_render::open_all(&machine.device, &machine.options(), warn))?;
     let mut rendering = Rendering::begin(&scene, &*device, request)?;

@@ -15,6 +15,9 @@ from .._errors import Error
 #: Seconds in which the head of a cluster has to answer.
 PATIENCE = 5.0
 
+#: Bytes of the smallest object store that Ray takes.
+LEAST_STORE = 80 << 20
+
 #: Beginning of HTTP/2, which Ray speaks: the client's preface with its empty settings, and the kind of the frame that answers.
 GREETING = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + bytes([0, 0, 0, 4, 0, 0, 0, 0, 0])
 SETTINGS = b"\x04"
@@ -53,7 +56,7 @@ def connected(address: str | None, *, logs: bool, store_bytes: int) -> Iterator[
 
     ``address`` is that of its head, "auto" for the one that this machine is part of, "local" for this machine alone, or
     ``None``: the one that the process is connected to, else ``RAY_ADDRESS``, else "local", whose object store gets
-    ``store_bytes``.
+    ``store_bytes`` or half of the memory that is free.
 
     Raises :class:`ClusterError` where it does not answer.
     """
@@ -69,7 +72,9 @@ def connected(address: str | None, *, logs: bool, store_bytes: int) -> Iterator[
     address = address or os.environ.get("RAY_ADDRESS") or "local"
     options: dict[str, Any] = {"address": address, "log_to_driver": logs, "logging_level": logging.ERROR}
     if address == "local":
-        options.update(num_cpus=_cores(), include_dashboard=False, object_store_memory=store_bytes)
+        memory = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+        store = max(min(store_bytes, memory // 2), LEAST_STORE)
+        options.update(num_cpus=_cores(), include_dashboard=False, object_store_memory=store)
     else:
         _check_answer(address)
     try:

@@ -54,8 +54,9 @@ class Job(Protocol):
     def done(self) -> bool:
         """Whether nothing more is needed."""
 
-    def next(self, pace: float | None, workers: int) -> Task | None:
-        """A task for one of so many ``workers``, whose ``pace`` is in seconds a unit; ``None`` where all are given out."""
+    def next(self, pace: float | None, workers: float) -> Task | None:
+        """A task for a worker whose ``pace`` is in seconds a unit, where all together do what so many ``workers`` of its kind
+        would; ``None`` where all are given out."""
 
     def give_back(self, task: Task) -> None:
         """Takes a task back that nobody has done."""
@@ -93,6 +94,7 @@ class _Member:
     node: str
     name: str
     actor: Any
+    has_answered: bool = False
     is_ready: bool = False
     device: str = ""
     has_files: bool = False
@@ -158,8 +160,12 @@ class Crew:
         closing = [member.actor.close.remote() for member in self._members.values() if member.has_files]
         if closing:
             self._ray.wait(closing, num_returns=len(closing), timeout=2)
-        for member in list(self._members.values()):
+        for member in self._members.values():
             self._ray.kill(member.actor)
+        # What they refer to leaves the object stores.
+        self._waiting.clear()
+        self._turns.clear()
+        self._contents.clear()
 
     # ---- Machines
 
@@ -172,14 +178,14 @@ class Crew:
         for node in self._ray.nodes():
             if node["Alive"] and node["NodeID"] not in self._members:
                 self._start(job, node)
-        if self._members:
-            self._lonely_since = now if self._lonely_since is not None and not self.devices else None
-        elif self._failure is not None:
+        if not self._members and self._failure is not None:
             raise self._failure
+        if any(member.has_answered for member in self._members.values()):
+            self._lonely_since = None
         elif self._lonely_since is None:
             self._lonely_since = now
         if self._lonely_since is not None and now > self._lonely_since + LONELY:
-            self._warn("no machine of the cluster takes part yet: waiting for one whose processors are free")
+            self._warn("no machine of the cluster takes part: waiting for one whose processors are free")
             self._lonely_since = float("inf")
 
     def _start(self, job: Job, node: dict[str, Any]) -> None:
@@ -210,11 +216,12 @@ class Crew:
             else:
                 self._lose(job, member)
             return
-        for what, ours in (("raggio", raggio.__version__), ("python", platform.python_version())):
+        for what, ours in (("raggio", raggio.__version__), ("Python", platform.python_version())):
             if told[what] != ours:
-                reason = f"it has {what.replace('py', 'Py')} {told[what]}, and this is {ours}: all machines need the same"
+                reason = f"it has {what} {told[what]}, and this is {ours}: all machines need the same"
                 self._exclude(job, member, ClusterError(reason))
                 return
+        member.has_answered = True
         self._open(job, member, [])
 
     def _open(self, job: Job, member: _Member, names: list[str]) -> None:
@@ -275,7 +282,10 @@ class Crew:
         for depth in range(DEPTH):
             for member in ready:
                 if len(member.turns) == depth:
-                    task = job.next(self._pace(member), len(ready))
+                    pace = self._pace(member)
+                    paces = [self._pace(other) or pace for other in ready]
+                    alike = sum(pace / other for other in paces if other) if pace else len(ready)
+                    task = job.next(pace, alike)
                     if task is None and depth == 0:
                         task = self._late_task()
                     if task is not None:

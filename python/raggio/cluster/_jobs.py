@@ -97,8 +97,9 @@ class Samples:
         self._waiting: deque[_Made] = deque()
         self._coming: list[_Made] = []
         self._summed: list[_Made] = []
-        self._begun = time.monotonic()
-        self._deadline = math.inf if time_limit is None else self._begun + time_limit
+        self._time_limit = math.inf if time_limit is None else time_limit
+        #: Moment at which the first task was given out.
+        self._begun: float | None = None
         self._overhead = 0.0
 
     @property
@@ -108,8 +109,8 @@ class Samples:
 
     @property
     def seconds(self) -> float:
-        """Seconds since the beginning."""
-        return time.monotonic() - self._begun
+        """Seconds since the first task was given out."""
+        return 0.0 if self._begun is None else time.monotonic() - self._begun
 
     @property
     def samples(self) -> int:
@@ -121,24 +122,24 @@ class Samples:
         """Whether the film has all samples, or the time is over and nothing is under way any more."""
         if self.samples == self.total:
             return True
-        now = time.monotonic()
+        late = self.seconds - self._time_limit
         is_at_rest = self._crew.is_idle and not (self._waiting or self._coming or self._summed)
-        return now > self._deadline and (is_at_rest or now > self._deadline + GRACE) and self.film is not None
+        return late > 0 and (is_at_rest or late > GRACE) and self.film is not None
 
     def fraction(self) -> float:
         """Part of the whole that is probably done."""
         made = sum(made.samples for made in (*self._waiting, *self._coming, *self._summed))
         done = self.samples + made + self._crew.units_under_way()
-        spent = (time.monotonic() - self._begun) / (self._deadline - self._begun)
-        return max(min(done / self.total, 1.0), min(spent, 1.0))
+        return min(max(done / self.total, self.seconds / self._time_limit), 1.0)
 
-    def next(self, pace: float | None, workers: int) -> Task | None:
+    def next(self, pace: float | None, workers: float) -> Task | None:
         """A task that takes long enough to be worth its way, and not so long that the others have to wait for it."""
         left = self._ledger.left
-        seconds = min(max(SHORTEST, self._overhead / OVERHEAD), LONGEST)
-        seconds = min(seconds, self._deadline - time.monotonic())
-        if not left or seconds <= 0:
+        seconds = min(max(SHORTEST, self._overhead / OVERHEAD), LONGEST, self._time_limit - self.seconds)
+        # However short the time is, there is a picture at its end.
+        if not left or (seconds <= 0 and self.film is not None):
             return None
+        self._begun = self._begun or time.monotonic()
         units = 1
         if pace:
             share = max(PORTION * left / workers, max(LAST, 4 * self._overhead) / pace)
@@ -239,7 +240,7 @@ class Pictures(Generic[T]):
         """Number of those that are not here yet."""
         return len(self._missing)
 
-    def next(self, pace: float | None, workers: int) -> Task | None:
+    def next(self, pace: float | None, workers: float) -> Task | None:
         """The next one; of frames as many as take a while."""
         # What is made and not fetched yet is in the machines' memory.
         if not self._todo or len(self._coming) + len(self._made) > 2 * workers:

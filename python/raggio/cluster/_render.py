@@ -7,11 +7,12 @@ import sys
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from typing import Any, overload
 
 from .. import _raggio
 from .._camera import Camera
-from .._errors import SceneError, SceneWarning
+from .._errors import OutputError, SceneError, SceneWarning
 from .._image import Image
 from .._progress import ProgressLike, Report, reporter
 from .._render import AovsLike, _in_range, _layers, _Options, _positive, _raise, _table
@@ -163,7 +164,7 @@ def render(
     # What is at fault here is told before any machine is asked.
     _table(scene, one)
     wanted = samples or (2**31 - 1 if time_limit is not None else _own_samples(scene))
-    film_order = Order(**{**order.__dict__, "aovs": (), "denoise": False, "films": True, "samples": None})
+    film_order = replace(order, aovs=(), denoise=False, films=True, samples=None)
     render = FilmRender(scene, film_order, (0, wanted), address, time_limit, logs)
     shown = _shown(preview)
     path = None if checkpoint is None else os.fspath(checkpoint)
@@ -207,6 +208,7 @@ class FilmRender:
         self.devices: list[str] = []
         self.seconds = 0.0
         self.finished = False
+        self._has_warned = False
         #: Path of the film that the render went on from, if there was one.
         self.resumed: str | None = None
 
@@ -221,11 +223,13 @@ class FilmRender:
         stops: Callable[[], bool] = lambda: False,
     ) -> None:
         """Takes all samples, or as many as there are when ``stops`` says so, or when something else ends it."""
+        if checkpoint is not None and not os.access(os.path.dirname(checkpoint) or ".", os.W_OK):
+            raise OutputError(f"cannot write {checkpoint}: its folder is missing, or cannot be written to")
         if resume and checkpoint is not None and os.path.exists(checkpoint):
             self.film = _film_to_go_on_from(checkpoint, self._wanted)
             self.resumed = checkpoint
         width, height = self._order.options.size_for(self._order.camera) or self._scene.size
-        store = STORE + 16 * PIXEL * width * height
+        store = STORE + 8 * PIXEL * width * height
         with connected(self._address, logs=self._logs, store_bytes=store) as ray:
             crew = Crew(ray, self._scene, self._order, self._warn)
             name = str(self.resumed)
@@ -244,7 +248,7 @@ class FilmRender:
                         reported = now
                         report(job.fraction(), job.samples, job.seconds)
                     if job.film is not None and checkpoint and now > saved[1] and job.revision > saved[0]:
-                        job.film.save(checkpoint)
+                        self._keep(job.film, checkpoint)
                         saved = [job.revision, time.monotonic() + checkpoint_every]
                     if job.film is not None and preview and now > shown[1] and job.revision > shown[0]:
                         preview(self.image())
@@ -260,6 +264,15 @@ class FilmRender:
                     job.film.save(checkpoint)
                 crew.close()
 
+    def _keep(self, film: _raggio.Film, checkpoint: str) -> None:
+        """Writes a checkpoint; if that fails the render goes on, and the last one stays."""
+        try:
+            film.save(checkpoint)
+        except OutputError as error:
+            if not self._has_warned:
+                self._warn(f"{error}; the render goes on without checkpoints until there is room again")
+            self._has_warned = True
+
     def image(self, *, shows_all: bool = False, order: Order | None = None) -> Image:
         """The picture of the film; with the layers and without the noise that ``order`` asks for, where it ``shows_all``."""
         assert self.film is not None
@@ -269,7 +282,7 @@ class FilmRender:
         # A film that was whole from the beginning has been compared with nothing yet.
         is_unknown = self.resumed is not None and not self.devices
         if shows_all and order is not None and (order.aovs or order.denoise or is_unknown):
-            at_hand = Order(**{**order.__dict__, "device": "auto", "samples": self._wanted[1]})
+            at_hand = replace(order, device="auto", samples=self._wanted[1])
             session = at_hand.session(self._scene, order.threads)
             developed, ended = session.develop_film(self.film, self.resumed or "the cluster's film", self.seconds)
             image = Image(developed, device or session.device)

@@ -81,7 +81,7 @@ class Worker:
         """Tells who this is."""
         return {
             "raggio": raggio.__version__,
-            "python": platform.python_version(),
+            "Python": platform.python_version(),
             "host": socket.gethostname(),
             "pid": os.getpid(),
         }
@@ -118,8 +118,8 @@ class Worker:
             film, seconds, ended = self._session.film(first, end)
             if ended is not None:
                 raise ended
-            film_bytes = film.to_bytes()
-            return {"sampling": seconds, "seconds": time.monotonic() - begun}, film_bytes
+            packed = film.to_bytes()
+            return {"sampling": seconds, "seconds": time.monotonic() - begun}, packed
 
         return _told(work)
 
