@@ -1,5 +1,6 @@
 """Rust's part of the module."""
 
+from pathlib import Path
 from typing import Any, final
 
 import numpy as np
@@ -70,13 +71,13 @@ class SceneText:
     @staticmethod
     def empty() -> SceneText: ...
     def copy(self) -> SceneText: ...
-    def files(self) -> list[str]: ...
+    def files(self) -> list[Path]: ...
     def state(self) -> dict[str, Any]: ...
     @staticmethod
     def restored(
         *,
         text: str,
-        path: str,
+        path: str | Path,
         allow_outside: bool,
         time_seconds: float | None,
         numbers: tuple[int, int, int, list[int]],

@@ -24,9 +24,11 @@ os.environ.update(RAY_AUTH_MODE="token", RAY_AUTH_TOKEN=secrets.token_hex(16))
 pytest.importorskip("ray", reason="Ray is not installed: pip install 'raggio[cluster]'")
 
 import raggio.cluster
-from raggio.cluster import _jobs
+from raggio.cluster import _crew, _files, _jobs
 from raggio.cluster._connect import ray_module
 from raggio.cluster._jobs import Ledger
+from raggio.cluster._program import Frames
+from raggio.cluster._worker import Order, Worker
 
 pytestmark = [
     # Ray's own: sockets and files of processes that were killed, and what it says of its future.
@@ -37,6 +39,10 @@ pytestmark = [
 ]
 
 SIZE = (96, 64)
+ANIMATED = FILE.replace(
+    "vertical_fov_degrees = 40\n",
+    "vertical_fov_degrees = 40\nkeyframes = [{ time = 0, position = [0, 1, 4] }, { time = 1, position = [4, 1, 0] }]\n",
+)
 
 
 class Machines:
@@ -198,9 +204,40 @@ def test_films_are_added_up_elsewhere(machines: Machines, scene: rg.Scene, monke
     sums: list[int] = []
     add = _jobs.Samples._sum
     monkeypatch.setattr(_jobs.Samples, "_sum", lambda job, parts: (sums.append(len(parts)), add(job, parts)))
+    waiting: list[int] = []
+    absorb = _jobs.Samples.absorb
+    monkeypatch.setattr(_jobs.Samples, "absorb", lambda job: (absorb(job), waiting.append(len(job._waiting))))
     samples = samples_for(3, scene)
     assert np.array_equal(on(machines, scene, samples), alone(scene, samples))
-    assert sums
+    assert sums and max(waiting) < 2
+
+
+def test_preview_in_a_notebook(machines: Machines, scene: rg.Scene, monkeypatch, short_tasks) -> None:
+    display = pytest.importorskip("IPython.display", reason="IPython is not installed")
+    machines.at_least(1)
+    shown: list[bytes] = []
+
+    class Handle:
+        def update(self, image: rg.Image) -> None:
+            shown.append(image._repr_png_())
+
+    def show(image: rg.Image, *, display_id: bool) -> Handle:
+        assert display_id and not shown
+        shown.append(image._repr_png_())
+        return Handle()
+
+    monkeypatch.setattr(display, "display", show)
+    samples = samples_for(2, scene)
+    image = on(machines, scene, samples, preview=True, preview_every=0.3)
+    assert len(shown) > 1 and shown[-1] == image._repr_png_() != shown[0]
+
+
+def test_preview_in_a_file(machines: Machines, scene: rg.Scene, tmp_path) -> None:
+    machines.at_least(1)
+    image = on(machines, scene, 16, preview=tmp_path / "look.png")
+    image.save(tmp_path / "image.png")
+    assert (tmp_path / "look.png").read_bytes() == (tmp_path / "image.png").read_bytes()
+    assert len(list(tmp_path.iterdir())) == 2
 
 
 # ---- Machines that come, go and hang
@@ -363,7 +400,7 @@ def test_interrupted(machines: Machines, scene: rg.Scene, tmp_path, short_tasks)
 # ---- Files
 
 
-def test_files_travel(machines: Machines, tmp_path) -> None:
+def test_files_travel(machines: Machines, tmp_path, monkeypatch) -> None:
     """To machines that have others under the names."""
     machines.at_least(1)
     (tmp_path / "textures").mkdir()
@@ -372,32 +409,60 @@ def test_files_travel(machines: Machines, tmp_path) -> None:
     text = FILE.replace("color = [0.7, 0.8, 1.0]", 'image = "textures/sky.exr"')
     (tmp_path / "scene.toml").write_text(text)
     scene = rg.load(tmp_path / "scene.toml")
-    expected = alone(scene, 8)
 
-    # The worker is on this very machine, so the files are taken away between their reading and its look for them.
-    def hidden(*names: str) -> dict[str, np.ndarray]:
-        return {name: np.fromfile(name, dtype=np.uint8) for name in names}
-
-    from raggio.cluster import _crew, _files
-
-    contents = hidden(str(tmp_path / "textures" / "sky.exr"))
+    # The worker is on this very machine: before it looks for the file, there is another in its place.
+    sky = tmp_path / "textures" / "sky.exr"
+    contents = np.fromfile(sky, dtype=np.uint8)
     manifest = _files.Manifest.of(scene._text, scene._folder)
-    assert list(manifest.hashes) == list(contents) and not manifest.missing()
-    monkey = pytest.MonkeyPatch()
-    monkey.setattr(_crew, "read", lambda path, wanted: contents[path])
-    try:
-        start = _crew.Crew._start
+    assert list(manifest.hashes) == [str(sky)] and not manifest.missing()
+    samples = samples_for(3, scene)
+    expected = alone(scene, samples)
+    start = _crew.Crew._start
 
-        def start_without(crew, job, node) -> None:
-            (tmp_path / "textures" / "sky.exr").write_bytes(b"something else")
-            start(crew, job, node)
+    def start_without(crew, job, node) -> None:
+        sky.write_bytes(b"something else")
+        start(crew, job, node)
 
-        monkey.setattr(_crew.Crew, "_start", start_without)
-        assert np.array_equal(on(machines, scene, 8), expected)
-    finally:
-        monkey.undo()
-    with pytest.raises(rg.SceneError, match="has changed since the render began"):
-        _files.read(str(tmp_path / "textures" / "sky.exr"), manifest.hashes[str(tmp_path / "textures" / "sky.exr")])
+    monkeypatch.setattr(_crew.Crew, "_start", start_without)
+    with pytest.raises(rg.SceneError, match="sky.exr has changed since the render began"):
+        on(machines, scene, 8)
+    contents.tofile(sky)
+    sent: list[str] = []
+
+    def read(path: str, wanted: str) -> np.ndarray:
+        sent.append(path)
+        return contents
+
+    monkeypatch.setattr(_crew, "read", read)
+    machines.at_least(2)
+    assert np.array_equal(on(machines, scene, samples), expected)
+    assert sent == [str(sky)], "it is read once for all machines"
+
+
+def test_frames_whose_files_travel(tmp_path) -> None:
+    """The program on a machine that does not have the scene."""
+    (tmp_path / "scene.toml").write_text(ANIMATED)
+    path = str(tmp_path / "scene.toml")
+    scene = rg.load(path)
+    frames = Frames(path, True, ("--samples=2",), (("-o", "out/a-##.png"),), None)
+    order = Order(_files.Manifest({path: _files.hash_of(path)}, {}), device="cpu", frames=frames)
+    contents = np.fromfile(path, dtype=np.uint8)
+    (tmp_path / "scene.toml").rename(tmp_path / "elsewhere.toml")
+    worker = Worker(1)
+    assert worker.open(scene, order, []) == {"missing": [path]}
+    assert "device" in worker.open(scene, order, [path], contents)
+    told, files = worker.frames([2, 3])
+    assert sorted(files) == ["out/a-02.png", "out/a-03.png"] and told["seconds"] > 0
+    command = [sys.executable, "-m", "raggio", "render", "elsewhere.toml", "--frames", "2,3", "--samples", "2"]
+    subprocess.run([*command, "--device", "cpu", "-o", "b-##.png"], cwd=tmp_path, check=True, capture_output=True)
+    assert files["out/a-03.png"] == (tmp_path / "b-03.png").read_bytes()
+    # What is wrong with it there is told in the program's sentence alone.
+    scene._text.set(["environment", "color"], '"blue"')
+    worker._scene = scene
+    told, files = worker.frames([2])
+    worker.close()
+    kind, sentence = told["error"]
+    assert kind == "SceneError" and "color" in sentence and "\n" not in sentence and files is None
 
 
 # ---- Errors
@@ -492,7 +557,7 @@ def test_the_program(machines: Machines, tmp_path) -> None:
                  "--integrator", "reference", "--aov", "depth,normal", "--seed", "5")  # fmt: skip
     done = program(tmp_path, machines, *arguments, "-o", "a.exr", "-o", "a.png", "-o", "a.film", "--stats", "a.json")
     assert done.returncode == 0, done.stderr
-    assert "Traceback" not in done.stderr and "ray" not in done.stderr
+    assert "Traceback" not in done.stderr and "Ray" not in done.stderr and done.stdout == ""
     command = [sys.executable, "-m", "raggio", "render", "scene.toml", *arguments, "--device", "cpu", "-o", "b.exr"]
     subprocess.run([*command, "-o", "b.png", "-o", "b.film"], cwd=tmp_path, check=True, capture_output=True)
     for ending in ("exr", "png"):
@@ -530,12 +595,6 @@ def test_the_program_is_stopped(machines: Machines, scene: rg.Scene, tmp_path) -
         capture_output=True,
     )
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
-
-
-ANIMATED = FILE.replace(
-    "vertical_fov_degrees = 40\n",
-    "vertical_fov_degrees = 40\nkeyframes = [{ time = 0, position = [0, 1, 4] }, { time = 1, position = [4, 1, 0] }]\n",
-)
 
 
 def test_frames(machines: Machines, tmp_path) -> None:

@@ -115,6 +115,8 @@ class Crew:
         #: Starts on each machine; more than ``STARTS`` where there will be no other.
         self._starts: dict[str, int] = {}
         self._failure: Error | None = None
+        #: What is to be told of machines that are left out, once there are others.
+        self._left_out: list[str] = []
         self._waiting: dict[Any, Then] = {}
         self._turns: dict[Hashable, list[_Turn]] = {}
         self._next_look = 0.0
@@ -251,8 +253,7 @@ class Crew:
         self._ray.kill(member.actor)
         self._lose(job, member)
         self._failure = type(error)(f"{member.name}: {error}") if isinstance(error, ClusterError) else error
-        if self._members:
-            self._warn(f"{member.name} takes no part: {error}")
+        self._left_out.append(f"{member.name} takes no part: {error}")
 
     def _lose(self, job: Job, member: _Member) -> None:
         """Does without a worker, whose tasks are for others."""
@@ -279,6 +280,8 @@ class Crew:
 
     def _hand_out(self, job: Job) -> None:
         ready = [member for member in self._members.values() if member.is_ready]
+        while ready and self._left_out:
+            self._warn(self._left_out.pop(0))
         for depth in range(DEPTH):
             for member in ready:
                 if len(member.turns) == depth:

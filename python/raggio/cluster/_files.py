@@ -31,7 +31,7 @@ class Manifest:
     @classmethod
     def of(cls, text: SceneText, folder: Path) -> Manifest:
         """The files of a scene whose paths are relative to ``folder``."""
-        return cls.named_in(text, folder, {path: hash_of(path) for path in text.files()})
+        return cls.named_in(text, folder, {str(path): hash_of(str(path)) for path in text.files()})
 
     @classmethod
     def named_in(cls, text: SceneText, folder: Path, hashes: dict[str, str]) -> Manifest:
