@@ -36,6 +36,8 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
     pytest.mark.filterwarnings("ignore::DeprecationWarning"),
     pytest.mark.filterwarnings("ignore::FutureWarning"),
+    # Where others keep this machine busy.
+    pytest.mark.filterwarnings("ignore:no machine of the cluster takes part:raggio.SceneWarning"),
 ]
 
 SIZE = (96, 64)

@@ -27,7 +27,7 @@ STARTS = 3
 #: Multiple of its time, and seconds beside, after which a task is given to a second worker that has nothing to do.
 LATE, LATE_SECONDS = 1.5, 1.0
 #: Seconds after which it is told that no machine takes part.
-LONELY = 10.0
+LONELY = 20.0
 
 #: Errors that every machine would meet, so that it is of no use to try others.
 HOPELESS = (_errors.SceneError, _errors.DenoiseError)
