@@ -217,6 +217,8 @@ impl SceneText {
         guarded(py, || {
             on_threads(|| {
                 let mut inner = self.lock();
+                // A copy has the scene of another, and has asked for no file yet.
+                inner.read = None;
                 inner.read()?;
                 let mut files: Vec<_> = inner.assets.all_files().map(PathBuf::from).collect();
                 files.sort();
