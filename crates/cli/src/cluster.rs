@@ -27,7 +27,8 @@ const EVERY: f64 = 60.0;
 pub fn run(job: Job, address: &str, arguments: &RenderArguments, assets: &mut Assets) -> Result<(), Failure> {
     let Job { start, mut scene, mut request, files, denoiser, machine, overrides, progress } = job;
     if request.stop.noise.is_some() {
-        let message = "--noise judges the whole picture, of which each machine of a cluster has a part: give --samples or --time-limit";
+        let message = "--noise judges the whole picture, of which each machine of a cluster has a part: give --samples or \
+                       --time-limit";
         return Err(Failure::Input(message.into()));
     }
     let python = Python::find()?;
