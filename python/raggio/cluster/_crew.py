@@ -216,7 +216,7 @@ class Crew:
                 reason = f"it lacks raggio, or has another than this one, {raggio.__version__} ({hint})"
                 self._exclude(job, member, ClusterError(reason))
             else:
-                self._lose(job, member)
+                self._died(job, member)
             return
         for what, ours in (("raggio", raggio.__version__), ("Python", platform.python_version())):
             if told[what] != ours:
@@ -232,7 +232,7 @@ class Crew:
 
     def _opened(self, job: Job, member: _Member, told: Any, error: Exception | None) -> None:
         if error is not None:
-            self._lose(job, member)
+            self._died(job, member)
         elif "error" in told:
             self._exclude(job, member, error_of(told))
         elif "missing" in told:
@@ -254,6 +254,14 @@ class Crew:
         self._lose(job, member)
         self._failure = type(error)(f"{member.name}: {error}") if isinstance(error, ClusterError) else error
         self._left_out.append(f"{member.name} takes no part: {error}")
+
+    def _died(self, job: Job, member: _Member) -> None:
+        """Does without a worker that is gone, and without its machine where that has happened too often."""
+        self._lose(job, member)
+        if self._starts[member.node] >= STARTS:
+            reason = f"its worker has died {STARTS} times, perhaps for want of memory"
+            self._failure = ClusterError(f"{member.name}: {reason}")
+            self._left_out.append(f"{member.name} takes no part any more: {reason}")
 
     def _lose(self, job: Job, member: _Member) -> None:
         """Does without a worker, whose tasks are for others."""
@@ -318,7 +326,7 @@ class Crew:
         if turn not in member.turns:
             return
         if error is not None:
-            self._lose(job, member)
+            self._died(job, member)
             return
         member.turns.remove(turn)
         if member.turns:
