@@ -50,23 +50,23 @@ def cluster(workers):
 
 
 def render(workers, samples, size):
-    """Renders in this process, and prints the seconds."""
+    """Renders in this process, and prints the seconds: all, and those from the first task on."""
     made = cluster(workers)
     begun = time.perf_counter()
     image = rg.cluster.render(scene(), samples=samples, size=size, device="cpu", address=made.address, progress=False)
     assert image.finished
-    print(time.perf_counter() - begun)
+    print(time.perf_counter() - begun, image.seconds)
     made.shutdown()
 
 
 def measured(workers, samples, size):
     command = [sys.executable, __file__, "--render", workers, samples, *size]
     done = subprocess.run(list(map(str, command)), check=True, stdout=subprocess.PIPE, text=True)
-    return float(done.stdout.split()[-1])
+    return [float(seconds) for seconds in done.stdout.split()[-2:]]
 
 
 def scaling(seconds, size):
-    """Seconds that one worker and two take for a render of about so many."""
+    """Seconds that one worker and two take for a render of about so many: all, and those from the first task on."""
     trial = rg.render(scene(), samples=64, size=size, device="cpu", threads=1, progress=False)
     samples = max(64, int(seconds * 64 / trial.seconds))
     one, two = (measured(workers, samples, size) for workers in (1, 2))
@@ -185,8 +185,10 @@ def main():
         workers, samples, *size = options.render
         return render(workers, samples, tuple(size))
     if options.seconds > 0:
-        one, two = scaling(options.seconds, tuple(options.size))
-        print(f"one worker {one:.1f} s, two {two:.1f} s: {100 * one / (2 * two):.1f} % of perfect scaling", flush=True)
+        found = scaling(options.seconds, tuple(options.size))
+        for part, one, two in zip(("with Ray's and the workers' start", "from the first task on"), *found):
+            share = 100 * one / (2 * two)
+            print(f"{part}: one worker {one:.1f} s, two {two:.1f} s, {share:.1f} % of perfect scaling", flush=True)
     cost = costs(tuple(options.film), options.network * 1e9 / 8)
     print(f"a task {1e3 * cost.task:.1f} ms; a film of {cost.film_bytes / 1e6:.0f} MB: packing {cost.pack:.2f} s, "
           f"network {cost.transfer:.2f} s, adding {cost.merge:.2f} s\n")
