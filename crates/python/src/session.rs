@@ -356,7 +356,7 @@ pub fn metadata(
     let camera = camera.as_deref().map(read_camera).transpose()?;
     let view = View { camera, size, seed, max_depth, alpha, integrator: None };
     guarded(py, || {
-        let mut scene = Scene::clone(&on_threads(|| scene.read())?.scene);
+        let mut scene = Scene::clone(&on_threads(|| scene.read(None))?.scene);
         view.apply(&mut scene);
         let mut inner = raggio_render::Metadata::new(&scene, name);
         (inner.samples, inner.denoiser) = (samples, denoiser);
