@@ -1,7 +1,7 @@
 # Every target that builds first sees to it that the machine can: setup takes a moment when all is there.
 .DEFAULT_GOAL := help
 .NOTPARALLEL: # cargo uses all cores by itself, and two set-ups at once would collide
-.PHONY: help setup setup-tests setup-python demo install uninstall python test test-python test-long fuzz gallery docs bench curves views style lint deny clean
+.PHONY: help setup setup-tests setup-python demo install uninstall python test test-python test-long fuzz gallery docs bench curves views cluster style lint deny clean
 
 env := . scripts/env.sh &&
 # Tests also run the CPU kernels with bounds checks; what checks builds the same, or it would be built twice.
@@ -84,6 +84,9 @@ views ?= 1000
 
 views: python ## measure many small views from Python, beside Mitsuba and pyrender, and how memory grows
 	$(env) python scripts/bench/views.py --views $(views)
+
+cluster: python ## measure a cluster of one worker and of two, and simulate a thousand
+	$(env) python scripts/bench/cluster.py
 
 style: setup # lint without the compiler
 	$(env) cargo fmt --all --check

@@ -35,6 +35,8 @@ REFERENCE = """# Reference of the Python module
     options:
       show_root_full_path: false
 
+::: raggio.cluster
+
 ::: raggio.datasets
 """
 

@@ -160,9 +160,9 @@ get_python_tools() {
 
 get_python_module_tools() {
     [ -e "$stamp-python" ] && return
-    say "installing maturin, pytest, mypy, trimesh, JupyterLab and playwright into .venv (150 MB, once)"
+    say "installing maturin, pytest, mypy, trimesh, Ray, JupyterLab and playwright into .venv (230 MB, once)"
     pip_install scripts/requirements-python.txt && touch "$stamp-python" && return
-    lack "maturin, pytest, mypy, trimesh, JupyterLab and playwright could not be installed: check the network and run this again."
+    lack "maturin, pytest, mypy, trimesh, Ray, JupyterLab and playwright could not be installed: check the network and run this again."
 }
 
 get_docs_tools() {

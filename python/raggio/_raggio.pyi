@@ -1,5 +1,6 @@
 """Rust's part of the module."""
 
+from pathlib import Path
 from typing import Any, final
 
 import numpy as np
@@ -11,6 +12,7 @@ from ._types import Developed
 __all__ = [
     "AOVS",
     "CudaArray",
+    "Film",
     "Metadata",
     "SceneText",
     "Session",
@@ -22,6 +24,7 @@ __all__ = [
     "encode_png",
     "forget_after_fork",
     "main",
+    "metadata",
     "panic_for_tests",
     "to_cuda",
     "tonemap",
@@ -32,8 +35,35 @@ __version__: str
 AOVS: list[str]
 TONE_MAPPERS: list[str]
 
+#: A mesh as arrays: the name of its part, positions, triangles, normals, texture coordinates, colours.
+_Mesh = tuple[
+    str,
+    npt.NDArray[np.float32],
+    npt.NDArray[np.uint32],
+    npt.NDArray[np.float32] | None,
+    npt.NDArray[np.float32] | None,
+    npt.NDArray[np.float32] | None,
+]
+
 @final
-class Metadata: ...
+class Metadata:
+    @property
+    def denoiser(self) -> str | None: ...
+
+@final
+class Film:
+    @staticmethod
+    def load(path: str) -> Film: ...
+    @staticmethod
+    def from_bytes(bytes: npt.NDArray[np.uint8]) -> Film: ...
+    def to_bytes(self) -> npt.NDArray[np.uint8]: ...
+    def merge(self, other: Film) -> None: ...
+    @property
+    def ranges(self) -> list[tuple[int, int]] | None: ...
+    @property
+    def size(self) -> tuple[int, int]: ...
+    def save(self, path: str) -> None: ...
+    def develop(self) -> Developed: ...
 
 @final
 class SceneText:
@@ -44,6 +74,20 @@ class SceneText:
     @staticmethod
     def empty() -> SceneText: ...
     def copy(self) -> SceneText: ...
+    def files(self) -> list[Path]: ...
+    def state(self) -> dict[str, Any]: ...
+    @staticmethod
+    def restored(
+        *,
+        text: str,
+        path: str | Path,
+        allow_outside: bool,
+        time_seconds: float | None,
+        numbers: tuple[int, int, int, list[int]],
+        placed: dict[str, tuple[str, list[float]]],
+        meshes: dict[str, _Mesh],
+        images: dict[str, npt.NDArray[Any]],
+    ) -> SceneText: ...
     @property
     def revision(self) -> int: ...
     @property
@@ -112,6 +156,8 @@ class Session:
         threads: int,
         aovs: list[str],
         denoise: bool,
+        label: bool = False,
+        integrator: str | None = None,
     ) -> Session: ...
     @property
     def device(self) -> str: ...
@@ -131,6 +177,10 @@ class Session:
     def sample(self, report: Report | None = None) -> BaseException | None: ...
     def cuda(self) -> CudaArray | None: ...
     def develop(self, report: Report | None = None) -> tuple[Developed, BaseException | None]: ...
+    def develop_film(
+        self, film: Film, name: str, seconds: float, report: Report | None = None
+    ) -> tuple[Developed, BaseException | None]: ...
+    def film(self, first: int, end: int, report: Report | None = None) -> tuple[Film, float, BaseException | None]: ...
 
 def check_camera(text: str) -> None: ...
 def cuda_devices() -> int: ...
@@ -138,6 +188,18 @@ def devices() -> tuple[list[tuple[str, str, str, str, int | None, list[str]]], s
 def encode_png(array: npt.NDArray[np.float32], *, exposure: float, tone_mapper: str) -> bytes: ...
 def forget_after_fork() -> None: ...
 def main(arguments: list[str]) -> int: ...
+def metadata(
+    scene: SceneText,
+    *,
+    name: str,
+    camera: str | None,
+    size: tuple[int, int] | None,
+    samples: int,
+    seed: int | None,
+    max_depth: int | None,
+    alpha: bool | None,
+    denoiser: str | None,
+) -> Metadata: ...
 def panic_for_tests() -> None: ...
 def to_cuda(array: npt.NDArray[np.float32], device: int) -> CudaArray: ...
 def tonemap(array: npt.NDArray[np.float32], *, exposure: float, tone_mapper: str) -> npt.NDArray[np.uint8]: ...

@@ -304,15 +304,15 @@ def _session(
     samples: int | None,
     time_limit: float | None,
     noise: float | None,
+    *,
+    label: bool = False,
+    integrator: str | None = None,
 ) -> _raggio.Session:
     _in_range("samples", samples, 1, 2**31 - 1)
     _in_range("threads", threads, 1, 4096)
     _positive("time_limit", time_limit)
     _positive("noise", noise)
-    names = [aovs] if isinstance(aovs, str) else list(aovs)
-    layers = list(_raggio.AOVS) if names == ["all"] else list(dict.fromkeys(names))
-    if unknown := [name for name in layers if name not in _raggio.AOVS]:
-        raise ValueError(f'there is no layer {unknown[0]!r}: give some of {", ".join(_raggio.AOVS)}, or "all"')
+    layers = _layers(aovs)
     if denoise:
         _find_denoiser()
     for warning in scene._text.check(options.time):
@@ -333,9 +333,20 @@ def _session(
         threads=threads or 0,
         aovs=layers,
         denoise=denoise,
+        label=label,
+        integrator=integrator,
     )
     _warn(session)
     return session
+
+
+def _layers(aovs: AovsLike) -> list[str]:
+    """Names of the layers that are asked for, each once."""
+    names = [aovs] if isinstance(aovs, str) else list(aovs)
+    layers = list(_raggio.AOVS) if names == ["all"] else list(dict.fromkeys(names))
+    if unknown := [name for name in layers if name not in _raggio.AOVS]:
+        raise ValueError(f'there is no layer {unknown[0]!r}: give some of {", ".join(_raggio.AOVS)}, or "all"')
+    return layers
 
 
 def _find_denoiser() -> None:

@@ -307,6 +307,15 @@ class Scene:
 
     __copy__ = copy
 
+    def __getstate__(self) -> dict[str, Any]:
+        """All there is of the scene but files, for other processes: they have to find these where this one does."""
+        kept = ("_name", "_folder", "_objects", "_in_memory", "_materials", "_environment")
+        return {"_text": self._text.state(), **{name: getattr(self, name) for name in kept}}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self._meshes = weakref.WeakKeyDictionary()
+        self.__dict__.update(state, _text=_raggio.SceneText.restored(**state["_text"]))
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Scene):
             return NotImplemented

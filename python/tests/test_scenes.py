@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import warnings
 
 import numpy as np
@@ -389,3 +390,18 @@ def test_trimesh_scenes() -> None:
     assert number == 5 and set(np.unique(image["object_id"]).tolist()) == {0, 5}
     assert (image["object_id"][16] == 5).sum() > 20
     np.testing.assert_allclose(image["albedo"][16, 26], [0, 1, 0], atol=1e-3)
+
+
+def test_scenes_can_be_pickled(file) -> None:
+    """With what is in memory, numbers and edits; files have to be where they were."""
+    scene = rg.load(file)
+    scene.add(SQUARE, material=rg.Principled(base_color_texture=np.full((2, 2, 3), 9, np.uint8)), name="square", id=7)
+    scene.environment = rg.Environment(image=np.ones((4, 8, 3), np.float32))
+    scene.materials["clay"] = rg.Material(color=(0, 1, 0))
+    other = pickle.loads(pickle.dumps(scene))
+    assert other == scene and other.objects == scene.objects and other.materials["clay"] == scene.materials["clay"]
+    assert np.array_equal(render(other, samples=2), render(scene, samples=2))
+    other.add(SQUARE)
+    assert other != scene
+    with pytest.raises(rg.SceneError, match="is in memory"):
+        other.to_toml()

@@ -17,6 +17,7 @@ from typing import assert_type
 import numpy as np
 import numpy.typing as npt
 import raggio as rg
+import raggio.cluster
 
 scene = rg.load("room.glb")
 number: int = scene.add((np.zeros((3, 3)), np.zeros((1, 3), int)), material=rg.Material(color=(1, 0, 0)), id=7)
@@ -35,15 +36,18 @@ try:
     renderer.image.save("a.png")
 except rg.Interrupted as stop:
     stop.image.save("b.exr")
+on_machines: rg.Image = raggio.cluster.render(scene, camera, samples=64, address="auto", preview="a.png")
+of_batch: Iterator[tuple[int, rg.Image]] = raggio.cluster.render(scene, [camera], samples=16)
 rg.datasets.CocoWriter({1: "cup"}).add("a.png", image["object_id"])
 """
 
 MISTAKES = """
-import raggio as rg
+import raggio as rg, raggio.cluster
 rg.render(rg.Scene(), None, (64, 48))
 rg.Camera.look_at((0, 0, 1), "up")
 rg.Material(colour=(1, 0, 0))
 rg.render(rg.Scene(), samples="many")
+raggio.cluster.render(rg.Scene(), [], preview="a.png")
 """
 
 
@@ -71,7 +75,7 @@ def test_an_example(tmp_path) -> None:
 
 def test_mistakes_are_found(tmp_path) -> None:
     done = mypy(MISTAKES, tmp_path)
-    for line in (3, 4, 5, 6):
+    for line in (3, 4, 5, 6, 7):
         assert f"example.py:{line}: error" in done.stdout, done.stdout
 
 

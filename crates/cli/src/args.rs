@@ -92,6 +92,10 @@ pub struct RenderArguments {
     pub frames: FrameArguments,
     #[command(flatten)]
     pub machine: MachineArguments,
+    /// Render on the machines of a Ray cluster: HOST:PORT of its head, auto (this machine is part of it) or local (this machine
+    /// alone); needs a Python with raggio[cluster], which RAGGIO_PYTHON names [default: python3 on the PATH]
+    #[arg(long, value_name = "ADDRESS")]
+    pub cluster: Option<String>,
     #[command(flatten)]
     pub overrides: Overrides,
     /// Way of following light

@@ -2,6 +2,7 @@
 
 mod args;
 mod bench;
+mod cluster;
 mod error;
 mod files;
 mod listing;

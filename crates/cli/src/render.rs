@@ -7,6 +7,7 @@ use raggio_render::{Display, PictureFormat, PngBits, RenderRequest};
 use raggio_scene::{Assets, Integrator, Scene};
 
 use crate::args::{DemoArguments, RenderArguments};
+use crate::cluster;
 use crate::error::Failure;
 use crate::files::{Files, Wanted, denoiser};
 use crate::order::{checkpoints, request, wanted};
@@ -45,7 +46,11 @@ pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
     request.checkpoints = checkpoints(&arguments.checkpoints, wanted.checkpoint, &files, &arguments.scene);
     let (machine, overrides) = (&arguments.machine, &arguments.overrides);
     let (denoiser, progress) = (denoiser.as_ref(), arguments.progress);
-    run(Job { start, scene, request, files: &files, denoiser, machine, overrides, progress })
+    let job = Job { start, scene, request, files: &files, denoiser, machine, overrides, progress };
+    match &arguments.cluster {
+        Some(address) => cluster::run(job, address, arguments, &mut assets),
+        None => run(job),
+    }
 }
 
 /// Runs `raggio demo`.

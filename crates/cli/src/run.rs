@@ -188,7 +188,7 @@ impl Made<'_> {
 }
 
 /// Says where the film of a render that has ended early is, and how to go on from it; `wanted` is where it was to be.
-fn tell_how_to_go_on(rendered: &Rendered, signal: Option<u8>, wanted: Option<&Path>, reporter: &Reporter) {
+pub fn tell_how_to_go_on(rendered: &Rendered, signal: Option<u8>, wanted: Option<&Path>, reporter: &Reporter) {
     let Some(path) = &rendered.checkpoint else { return };
     let reason = signal.map(|signal| format!("stopped by {}: ", signals::name(signal))).unwrap_or_default();
     let place = if Some(&**path) == wanted { String::new() } else { format!("--checkpoint {} ", display_name(path)) };
@@ -286,7 +286,7 @@ pub fn override_settings(scene: &mut Scene, overrides: &Overrides) {
 }
 
 /// End of the render that is asked for, in words.
-fn describe_end(samples: &Range<u32>, stop: &Stop) -> String {
+pub fn describe_end(samples: &Range<u32>, stop: &Stop) -> String {
     let limits = [
         (samples.end < UNLIMITED_SAMPLES).then(|| match samples.start {
             0 => counted(samples.len(), "sample"),

@@ -2,6 +2,8 @@
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use raggio_render::{
@@ -11,6 +13,7 @@ use raggio_render::{
 use raggio_scene::{Assets, Scene, counted, display_name, is_model, scene_text};
 
 use crate::args::RenderArguments;
+use crate::cluster;
 use crate::error::Failure;
 use crate::files::{Files, check_apart, denoiser};
 use crate::order::{checkpoints, request, wanted};
@@ -54,6 +57,7 @@ pub fn render(arguments: &RenderArguments, frames: &Frames, start: Instant) -> R
     let mut translated: Option<DeviceScene> = None;
     let tells_motion = job.request.layers.contains(&Aov::Motion);
     let mut last: Option<(u32, Scene)> = None;
+    let mut pending = vec![];
     for (place, (frame, files)) in frames.numbers().iter().zip(&all).enumerate() {
         let earlier = match last.take().filter(|(number, _)| number + 1 == *frame) {
             Some((_, scene)) => Some(scene),
@@ -72,8 +76,15 @@ pub fn render(arguments: &RenderArguments, frames: &Frames, start: Instant) -> R
         if let Some(earlier) = earlier.filter(|_| tells_motion) {
             translated.move_from(&scene, &earlier);
         }
-        job.frame(place, *frame, files, &scene, translated, patterns.checkpoint(*frame).as_deref())?;
+        if arguments.cluster.is_none() {
+            job.frame(place, *frame, files, &scene, translated, patterns.checkpoint(*frame).as_deref())?;
+        } else if !job.was_done(*frame, files, &Fingerprint::new(translated, &job.request)) {
+            pending.push(*frame);
+        }
         last = tells_motion.then_some((*frame, scene));
+    }
+    if let Some(address) = &arguments.cluster {
+        job.spread(address, &pending, &patterns, &mut source.assets)?;
     }
     job.finish(video.as_ref(), frames, &all)
 }
@@ -242,8 +253,7 @@ impl Job<'_> {
             reporter.begin_frame(frame_place);
         }
         let fingerprint = Fingerprint::new(translated, &self.request);
-        if !self.arguments.frames.overwrite && self.is_done(files, &fingerprint) {
-            self.tell(&format!("frame {frame} is done: {}", listed(files)));
+        if self.was_done(frame, files, &fingerprint) {
             return self.stopped();
         }
         let begun = Instant::now();
@@ -286,6 +296,50 @@ impl Job<'_> {
         self.rendered += 1;
         self.rendering_seconds += begun.elapsed().as_secs_f64();
         Ok(())
+    }
+
+    /// Whether a frame need not be rendered, which is told.
+    fn was_done(&self, frame: u32, files: &Files, fingerprint: &Fingerprint) -> bool {
+        let was_done = !self.arguments.frames.overwrite && self.is_done(files, fingerprint);
+        if was_done {
+            self.tell(&format!("frame {frame} is done: {}", listed(files)));
+        }
+        was_done
+    }
+
+    /// Has `frames` rendered on the cluster at `address`, each by one machine.
+    fn spread(
+        &mut self,
+        address: &str,
+        frames: &[u32],
+        patterns: &Patterns,
+        assets: &mut Assets,
+    ) -> Result<(), Failure> {
+        let Some(mut reporter) = self.idle.take().filter(|_| !frames.is_empty()) else { return Ok(()) };
+        let begun = Instant::now();
+        reporter.say(&format!("{} on the cluster at {address}", counted(frames.len(), "frame")));
+        let outputs = patterns.outputs.iter().map(|pattern| ("-o", pattern.path()));
+        let stats = patterns.stats.iter().map(|pattern| ("--stats", pattern.path()));
+        let outputs: Vec<_> = outputs.chain(stats).collect();
+        let stopped = signals::listen(Arc::new(AtomicBool::new(false)));
+        let (total, before) = (self.total, self.total - frames.len());
+        let rendered = &mut self.rendered;
+        let outcome =
+            cluster::frames(self.arguments, address, frames, &outputs, assets, &stopped, &mut |done| match done {
+                cluster::Told::Words(words) => reporter.say(&words),
+                cluster::Told::Frame(number) => {
+                    *rendered += 1;
+                    let mean_seconds = Some(begun.elapsed().as_secs_f64() / *rendered as f64);
+                    reporter.begin_frame(FramePlace { number, done: before + *rendered, total, mean_seconds });
+                }
+            });
+        self.rendering_seconds = begun.elapsed().as_secs_f64();
+        if let Some(signal) = stopped.signal() {
+            reporter.say(&format!("stopped by {}: {GOES_ON}", signals::name(signal)));
+            return Err(Failure::Interrupted(signal));
+        }
+        self.idle = Some(reporter);
+        outcome
     }
 
     /// Whether all of a frame's files are there and are what would be rendered.

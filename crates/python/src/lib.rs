@@ -6,6 +6,7 @@
 #[cfg(target_os = "linux")]
 mod cuda;
 mod errors;
+mod film;
 mod host;
 mod images;
 mod meshes;
@@ -27,13 +28,15 @@ mod _raggio {
     #[pymodule_export]
     use super::cuda::{CudaArray, cuda_devices, to_cuda};
     #[pymodule_export]
+    use super::film::Film;
+    #[pymodule_export]
     use super::images::{encode_png, tonemap, write_image};
     #[pymodule_export]
     use super::picture::Metadata;
     #[pymodule_export]
     use super::scene::{SceneText, check_camera};
     #[pymodule_export]
-    use super::session::{Session, devices, forget_after_fork};
+    use super::session::{Session, devices, forget_after_fork, metadata};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

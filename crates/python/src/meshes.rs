@@ -1,8 +1,9 @@
 //! Meshes and images from arrays.
 
-use numpy::{PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 use raggio_images::Texels;
 use raggio_scene::{Bitmap, DAffine3, DMat3, DVec3, Instance, Mesh, Model, Part};
 
@@ -42,6 +43,70 @@ pub fn clean(name: &str, mut mesh: Mesh) -> PyResult<(Mesh, Option<String>)> {
 pub fn model(name: &str, mesh: std::sync::Arc<Mesh>, world_from_mesh: DAffine3) -> Model {
     let instance = Instance { name: name.into(), mesh: 0, model_from_mesh: world_from_mesh };
     Model { meshes: vec![mesh], instances: vec![instance], ..Model::default() }
+}
+
+/// A mesh as arrays: the name of its only part, positions, triangles, normals, texture coordinates, colours.
+pub type Arrays<'py> = (
+    String,
+    PyReadonlyArray2<'py, f32>,
+    PyReadonlyArray2<'py, u32>,
+    Option<PyReadonlyArray2<'py, f32>>,
+    Option<PyReadonlyArray2<'py, f32>>,
+    Option<PyReadonlyArray2<'py, f32>>,
+);
+
+/// A mesh in memory as arrays, for [`of_arrays`].
+pub fn arrays<'py>(py: Python<'py>, mesh: &Mesh) -> PyResult<Bound<'py, PyTuple>> {
+    let name = mesh.parts.first().map_or("", |part| &part.name);
+    let optional = |rows: Option<&Vec<[f32; 3]>>| rows.map(|rows| array(py, rows)).transpose();
+    let uvs = mesh.uvs[0].as_ref().map(|rows| array(py, rows)).transpose()?;
+    let colors = mesh.colors.as_ref().map(|rows| array(py, rows)).transpose()?;
+    (name, array(py, &mesh.positions)?, array(py, &mesh.triangles)?, optional(mesh.normals.as_ref())?, uvs, colors)
+        .into_pyobject(py)
+}
+
+/// The mesh of [`arrays`], which has been cleaned before.
+pub fn of_arrays((name, positions, triangles, normals, uvs, colors): &Arrays<'_>) -> PyResult<Mesh> {
+    let triangles = rows("faces", triangles)?;
+    Ok(Mesh {
+        positions: rows("vertices", positions)?,
+        normals: normals.as_ref().map(|normals| rows("normals", normals)).transpose()?,
+        uvs: [uvs.as_ref().map(|uvs| rows("uvs", uvs)).transpose()?, None],
+        colors: colors.as_ref().map(|colors| rows("colors", colors)).transpose()?,
+        parts: vec![Part { name: name.as_str().into(), material: None, triangles: 0..triangles.len() }],
+        triangles,
+        ..Mesh::default()
+    })
+}
+
+/// An image in memory as an array, for [`image_of_array`].
+pub fn image_array<'py>(py: Python<'py>, image: &Bitmap) -> PyResult<Bound<'py, PyAny>> {
+    let [height, width] = [image.height, image.width].map(|side| side as usize);
+    match &image.texels {
+        Texels::Rgb32F(texels) => {
+            Ok(PyArray1::from_slice(py, texels.as_flattened()).reshape([height, width, 3])?.into_any())
+        }
+        Texels::Rgba8(texels) => {
+            Ok(PyArray1::from_slice(py, texels.as_flattened()).reshape([height, width, 4])?.into_any())
+        }
+        Texels::Rgba16(_) => Err(PyValueError::new_err("no image in memory has 16 bits")),
+    }
+}
+
+/// The image of [`image_array`].
+pub fn image_of_array(array: &Bound<'_, PyAny>) -> PyResult<Bitmap> {
+    match array.extract::<PyReadonlyArray3<'_, f32>>() {
+        Ok(array) => radiance(&array),
+        Err(_) => bytes(&array.extract()?),
+    }
+}
+
+/// Rows as an array, copied.
+fn array<'py, T: numpy::Element + Copy, const N: usize>(
+    py: Python<'py>,
+    rows: &[[T; N]],
+) -> PyResult<Bound<'py, PyArray2<T>>> {
+    PyArray1::from_slice(py, rows.as_flattened()).reshape([rows.len(), N])
 }
 
 /// An image of floats (height, width, 3), linear and not negative.

@@ -11,6 +11,15 @@ pub struct Metadata {
     pub inner: raggio_render::Metadata,
 }
 
+#[pymethods]
+impl Metadata {
+    /// Name of what removed the noise; `None` where nothing did.
+    #[getter]
+    fn denoiser(&self) -> Option<String> {
+        self.inner.denoiser.clone()
+    }
+}
+
 /// A picture whose film is gone.
 pub struct Developed {
     width: usize,

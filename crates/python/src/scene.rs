@@ -7,7 +7,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use numpy::{PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
-use raggio_scene::{AssetOptions, Assets, Camera, Mesh, Scene, scene_text};
+use pyo3::types::PyDict;
+use raggio_scene::{AssetOptions, Assets, Bitmap, Camera, Mesh, Scene, scene_text};
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value};
 
 use crate::errors::{guarded, scene_error};
@@ -33,6 +34,10 @@ struct Inner {
     assets: Assets,
     /// Meshes in memory, by the names under which the text has them.
     meshes: HashMap<String, Arc<Mesh>>,
+    /// Meshes that were placed, by the names under which the text has them: the mesh's name, and three rows of a matrix.
+    placed: HashMap<String, (String, [f64; 12])>,
+    /// Images in memory, by the names under which the text has them.
+    images: HashMap<String, Arc<Bitmap>>,
     /// Number of names that were given to what is in memory.
     given: usize,
     /// Numbers of the `[[shapes]]` and of the shapes of the file that was loaded.
@@ -78,6 +83,8 @@ impl Inner {
             path,
             assets,
             meshes: HashMap::new(),
+            placed: HashMap::new(),
+            images: HashMap::new(),
             given: 0,
             own_entries: 0,
             own_shapes: 0,
@@ -123,6 +130,20 @@ impl Inner {
         self.path.parent().unwrap_or(Path::new("")).join(name)
     }
 
+    /// Places a mesh in memory, under a name for the text.
+    fn place(&mut self, placed: String, name: &str, mesh: Arc<Mesh>, rows: [f64; 12]) {
+        let path = self.path_of(&placed);
+        self.assets.give_model(path, meshes::model(name, mesh, meshes::affine(rows)));
+        self.placed.insert(placed, (name.into(), rows));
+    }
+
+    /// Keeps an image in memory, under a name for the text.
+    fn keep_image(&mut self, name: String, image: Arc<Bitmap>) {
+        let path = self.path_of(&name);
+        self.assets.give_image(path, image.clone());
+        self.images.insert(name, image);
+    }
+
     fn new_name(&mut self) -> String {
         self.given += 1;
         format!("{MEMORY}{}", self.given)
@@ -139,6 +160,8 @@ impl Inner {
             if !text.contains(&format!("\"{name}\"")) {
                 let path = self.path_of(name);
                 self.assets.take_back(&path);
+                self.placed.remove(name);
+                self.images.remove(name);
             }
         }
     }
@@ -190,6 +213,8 @@ impl SceneText {
                     path: inner.path.clone(),
                     assets,
                     meshes: inner.meshes.clone(),
+                    placed: inner.placed.clone(),
+                    images: inner.images.clone(),
                     given: inner.given,
                     own_entries: inner.own_entries,
                     own_shapes: inner.own_shapes,
@@ -199,6 +224,75 @@ impl SceneText {
                 }),
             })
         })
+    }
+
+    /// Paths of all files that the scene is made of, but for its own.
+    fn files(&self, py: Python<'_>) -> PyResult<Vec<PathBuf>> {
+        guarded(py, || {
+            on_threads(|| {
+                let mut inner = self.lock();
+                // A copy has the scene of another, and has asked for no file yet.
+                inner.read = None;
+                inner.read()?;
+                let mut files: Vec<_> = inner.assets.all_files().map(PathBuf::from).collect();
+                files.sort();
+                files.dedup();
+                Ok(files)
+            })
+        })
+    }
+
+    /// All there is but files, for [`SceneText::restored`] in another process.
+    fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let inner = self.lock();
+        let state = PyDict::new(py);
+        state.set_item("text", inner.document.to_string())?;
+        state.set_item("path", &inner.path)?;
+        state.set_item("allow_outside", inner.assets.options().allow_outside)?;
+        state.set_item("time_seconds", inner.assets.options().time_seconds)?;
+        state.set_item("numbers", (inner.given, inner.own_entries, inner.own_shapes, &inner.ids))?;
+        state.set_item("placed", &inner.placed)?;
+        let kept = PyDict::new(py);
+        for (name, mesh) in &inner.meshes {
+            kept.set_item(name, meshes::arrays(py, mesh)?)?;
+        }
+        state.set_item("meshes", kept)?;
+        let kept = PyDict::new(py);
+        for (name, image) in &inner.images {
+            kept.set_item(name, meshes::image_array(py, image)?)?;
+        }
+        state.set_item("images", kept)?;
+        Ok(state)
+    }
+
+    /// The scene of a [`SceneText::state`]; its text is read when somebody asks for it.
+    #[staticmethod]
+    #[pyo3(signature = (*, text, path, allow_outside, time_seconds, numbers, placed, meshes, images))]
+    #[allow(clippy::too_many_arguments, reason = "all are named")]
+    fn restored(
+        text: &str,
+        path: PathBuf,
+        allow_outside: bool,
+        time_seconds: Option<f64>,
+        numbers: (usize, usize, usize, Vec<i32>),
+        placed: HashMap<String, (String, [f64; 12])>,
+        meshes: HashMap<String, meshes::Arrays<'_>>,
+        images: HashMap<String, Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let options = AssetOptions { allow_outside, time_seconds, ..AssetOptions::default() };
+        let mut inner = Inner::new(text, path, Assets::new(options))?;
+        (inner.given, inner.own_entries, inner.own_shapes, inner.ids) = numbers;
+        for (name, arrays) in meshes {
+            inner.meshes.insert(name, Arc::new(meshes::of_arrays(&arrays)?));
+        }
+        for (name, (mesh, rows)) in placed {
+            let found = inner.meshes.get(&mesh).cloned().ok_or_else(|| PyKeyError::new_err(mesh.clone()))?;
+            inner.place(name, &mesh, found, rows);
+        }
+        for (name, image) in images {
+            inner.keep_image(name, Arc::new(meshes::image_of_array(&image)?));
+        }
+        Ok(Self { inner: Mutex::new(inner) })
     }
 
     /// Number that changes with each edit.
@@ -396,8 +490,7 @@ impl SceneText {
         let mut inner = self.lock();
         let mesh = inner.meshes.get(name).cloned().ok_or_else(|| PyKeyError::new_err(name.to_owned()))?;
         let placed = inner.new_name();
-        let path = inner.path_of(&placed);
-        inner.assets.give_model(path, meshes::model(name, mesh, meshes::affine(rows)));
+        inner.place(placed.clone(), name, mesh, rows);
         Ok(placed)
     }
 
@@ -413,11 +506,10 @@ impl SceneText {
 }
 
 impl SceneText {
-    fn give_image(&self, image: raggio_scene::Bitmap) -> String {
+    fn give_image(&self, image: Bitmap) -> String {
         let mut inner = self.lock();
         let name = inner.new_name();
-        let path = inner.path_of(&name);
-        inner.assets.give_image(path, Arc::new(image));
+        inner.keep_image(name.clone(), Arc::new(image));
         name
     }
 }

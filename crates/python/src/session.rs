@@ -1,19 +1,21 @@
 //! A scene on a device, which takes samples and makes pictures of them.
 
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use raggio_render::{Aov, Denoiser, Observer, Progress, RenderRequest, Rendering, Stop};
-use raggio_scene::{Camera, Scene};
+use raggio_render::{Aov, Denoiser, Observer, Progress, RenderRequest, Rendered, Rendering, Stop};
+use raggio_scene::{Camera, Integrator, Scene};
 
 #[cfg(target_os = "linux")]
 use crate::cuda::CudaArray;
 use crate::errors::{denoise_error, device_error, guarded, render_error};
+use crate::film::Film;
 use crate::host::{self, on_threads};
-use crate::picture::Developed;
+use crate::picture::{Developed, Metadata};
 use crate::scene::{ReadScene, SceneText, read_camera};
 use crate::values::chosen;
 
@@ -45,6 +47,7 @@ struct View {
     seed: Option<u32>,
     max_depth: Option<u32>,
     alpha: Option<bool>,
+    integrator: Option<Integrator>,
 }
 
 impl View {
@@ -58,6 +61,7 @@ impl View {
         scene.render.seed = self.seed.unwrap_or(scene.render.seed);
         scene.render.max_depth = self.max_depth.unwrap_or(scene.render.max_depth);
         scene.render.alpha = self.alpha.unwrap_or(scene.render.alpha);
+        scene.render.integrator = self.integrator.unwrap_or(scene.render.integrator);
     }
 }
 
@@ -67,7 +71,7 @@ impl Session {
     #[new]
     #[pyo3(signature = (
         scene, *, name, camera, time, size, samples, seed, max_depth, alpha, noise, time_limit, device, threads, aovs,
-        denoise
+        denoise, label=false, integrator=None
     ))]
     #[allow(clippy::too_many_arguments, reason = "all but one are named")]
     fn new(
@@ -87,12 +91,15 @@ impl Session {
         threads: usize,
         aovs: Vec<String>,
         denoise: bool,
+        label: bool,
+        integrator: Option<String>,
     ) -> PyResult<Self> {
         let layers: Vec<Aov> = aovs.iter().map(|name| chosen(name)).collect::<PyResult<_>>()?;
         let stop = Stop { samples: samples.map(|samples| 0..samples), noise, time_limit };
-        let request = RenderRequest { name, layers, denoise, stop, ..RenderRequest::default() };
+        let request = RenderRequest { name, layers, denoise, label, stop, ..RenderRequest::default() };
         let camera = camera.as_deref().map(read_camera).transpose()?;
-        let view = View { camera, size, seed, max_depth, alpha };
+        let integrator = integrator.as_deref().map(chosen).transpose()?;
+        let view = View { camera, size, seed, max_depth, alpha, integrator };
         guarded(py, || {
             // What cannot be had is told before any time is spent.
             if denoise {
@@ -140,7 +147,7 @@ impl Session {
         alpha: Option<bool>,
     ) -> PyResult<()> {
         let camera = camera.as_deref().map(read_camera).transpose()?;
-        let view = View { camera, size, seed, max_depth, alpha };
+        let view = View { camera, size, seed, max_depth, alpha, integrator: None };
         guarded(py, || {
             on_threads(|| {
                 let mut inner = self.lock()?;
@@ -205,10 +212,63 @@ impl Session {
         py: Python<'py>,
         report: Option<Py<PyAny>>,
     ) -> PyResult<(Bound<'py, PyDict>, Option<Py<PyAny>>)> {
+        self.developed(py, report, |rendering, listener| rendering.develop(listener, None).map_err(device_error))
+    }
+
+    /// The picture of a film that others have sampled in `seconds` and that is called `name`, as [`Session::develop`] makes it.
+    #[pyo3(signature = (film, name, seconds, report=None))]
+    fn develop_film<'py>(
+        &self,
+        py: Python<'py>,
+        film: &Film,
+        name: PathBuf,
+        seconds: f64,
+        report: Option<Py<PyAny>>,
+    ) -> PyResult<(Bound<'py, PyDict>, Option<Py<PyAny>>)> {
+        self.developed(py, report, |rendering, listener| {
+            let film = film.lock().clone();
+            rendering.develop_film(film, &name, seconds, listener).map_err(render_error)
+        })
+    }
+
+    /// Film of the samples from `first` to before `end`, with its label, and the seconds that they took. It may lack some where
+    /// something has ended it early; then that is returned too.
+    #[pyo3(signature = (first, end, report=None))]
+    fn film(
+        &self,
+        py: Python<'_>,
+        first: u32,
+        end: u32,
+        report: Option<Py<PyAny>>,
+    ) -> PyResult<(Film, f64, Option<Py<PyAny>>)> {
+        let (film, seconds, ended) = guarded(py, || {
+            let mut inner = self.lock()?;
+            let mut listener = Listener::new(report);
+            inner.rendering.restart_with(first..end).map_err(device_error)?;
+            inner.rendering.sample(&mut listener).map_err(device_error)?;
+            let rendered = inner.rendering.develop(&mut listener, None).map_err(device_error)?;
+            inner.warnings.append(&mut listener.warnings);
+            if let Some(failure) = rendered.failure {
+                return Err(device_error(failure));
+            }
+            Ok((Film::new(rendered.picture.film), rendered.progress.seconds, listener.stopped))
+        })?;
+        Ok((film, seconds, ended.map(|error| error.into_value(py).into_any())))
+    }
+}
+
+impl Session {
+    /// A picture that `develop` makes, as a dictionary, and what has ended its making early.
+    fn developed<'py>(
+        &self,
+        py: Python<'py>,
+        report: Option<Py<PyAny>>,
+        develop: impl FnOnce(&mut Rendering, &mut Listener) -> PyResult<Rendered> + Send,
+    ) -> PyResult<(Bound<'py, PyDict>, Option<Py<PyAny>>)> {
         let (developed, seconds, finished, ended) = guarded(py, || {
             let mut inner = self.lock()?;
             let mut listener = Listener::new(report);
-            let rendered = inner.rendering.develop(&mut listener, None).map_err(device_error)?;
+            let rendered = develop(&mut inner.rendering, &mut listener)?;
             inner.warnings.append(&mut listener.warnings);
             let shown = match (inner.denoise, &rendered.failure) {
                 (true, None) => {
@@ -226,9 +286,7 @@ impl Session {
         found.set_item("finished", finished)?;
         Ok((found, ended.map(|error| error.into_value(py).into_any())))
     }
-}
 
-impl Session {
     fn lock(&self) -> PyResult<MutexGuard<'_, Inner>> {
         if self.process != std::process::id() {
             return Err(PyRuntimeError::new_err(
@@ -277,6 +335,33 @@ impl Observer for Listener {
             }
         }
     }
+}
+
+/// Record of how a picture with `samples` was made elsewhere, and by which denoiser, if any.
+#[pyfunction]
+#[pyo3(signature = (scene, *, name, camera, size, samples, seed, max_depth, alpha, denoiser))]
+#[allow(clippy::too_many_arguments, reason = "all but one are named")]
+pub fn metadata(
+    py: Python<'_>,
+    scene: &SceneText,
+    name: &str,
+    camera: Option<String>,
+    size: Option<(u32, u32)>,
+    samples: u32,
+    seed: Option<u32>,
+    max_depth: Option<u32>,
+    alpha: Option<bool>,
+    denoiser: Option<String>,
+) -> PyResult<Metadata> {
+    let camera = camera.as_deref().map(read_camera).transpose()?;
+    let view = View { camera, size, seed, max_depth, alpha, integrator: None };
+    guarded(py, || {
+        let mut scene = Scene::clone(&on_threads(|| scene.read(None))?.scene);
+        view.apply(&mut scene);
+        let mut inner = raggio_render::Metadata::new(&scene, name);
+        (inner.samples, inner.denoiser) = (samples, denoiser);
+        Ok(Metadata { inner })
+    })
 }
 
 /// Lines of the devices of this machine: word, name, kind, driver, memory in bytes, what is missing; and why there is no

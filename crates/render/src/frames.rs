@@ -145,6 +145,11 @@ impl Pattern {
         Self::new(Path::new(&name))
     }
 
+    /// The path as it was given.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Path of a frame's file; all frames have one if the pattern has no `#`.
     pub fn of(&self, frame: u32) -> PathBuf {
         match &self.name {

@@ -258,6 +258,19 @@ impl Renderer {
         Ok(done)
     }
 
+    /// Begins anew with other samples of `scene`, which is the very one that this renderer has.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails.
+    pub fn restart_with(&mut self, samples: Range<u32>, scene: &DeviceScene) -> Result<(), DeviceError> {
+        self.samples = samples;
+        // Its hash may be known already.
+        let identity = self.identity.clone();
+        self.restart(scene)?;
+        self.identity = identity;
+        Ok(())
+    }
+
     /// Numbers of the samples that each pixel is to have at most.
     pub fn samples(&self) -> Range<u32> {
         self.samples.clone()

@@ -18,7 +18,7 @@ use crate::checkpoint::{CheckpointError, Checkpoints, Every, Gathered, Keeper, S
 use crate::devices::device::{Device, DeviceError};
 use crate::devices::machine::{TooLarge, check_films};
 use crate::pictures::aov::Features;
-use crate::pictures::film::Film;
+use crate::pictures::film::{Film, Portion};
 use crate::pictures::image_file::Extras;
 use crate::pictures::metadata::Metadata;
 use crate::pictures::output_file::write_free;
@@ -77,7 +77,7 @@ pub struct Rendered {
     pub triangles: usize,
     keeper: Option<Keeper>,
     /// Label and state of the film, for who needs them after all.
-    unsaved: (LateLabel, SamplingState),
+    unsaved: Option<(LateLabel, SamplingState)>,
 }
 
 /// End of sampling.
@@ -291,6 +291,16 @@ impl Rendering {
         self.renderer.set_target(samples);
     }
 
+    /// Begins anew with other samples of the same picture.
+    ///
+    /// # Errors
+    /// A [`DeviceError`] when the device fails.
+    pub fn restart_with(&mut self, samples: Range<u32>) -> Result<(), DeviceError> {
+        self.renderer.restart_with(samples, &self.scene)?;
+        self.spent = 0.0;
+        Ok(())
+    }
+
     /// Begins anew with another scene; what both have in common stays on the device.
     ///
     /// # Errors
@@ -368,21 +378,10 @@ impl Rendering {
                 film.rejected(),
             ));
         }
-        let mut features = None;
-        let mut coverage = None;
-        while failure.is_none() && features.is_none() {
-            match self.features(observer, &film) {
-                Ok(found) => (features, coverage) = (Some(found.0), found.1),
-                Err(error) => failure = self.overcome(error, observer).err(),
-            }
-        }
-        let film = film.with_coverage(coverage);
+        let (keeper, unsaved) = (self.keeper.take(), Some((label, state)));
+        let picture = self.finish(film, &progress, &mut failure, observer);
         let (shapes, triangles) = (self.scene.shapes(), self.scene.triangles());
-        self.preparation.compile_seconds = self.renderer.session().compile_time().as_secs_f64();
-        let preparation = self.preparation;
-        let keeper = self.keeper.take();
-        let picture = self.picture(film, features);
-        let unsaved = (label, state);
+        let preparation = self.preparation();
         Ok(Rendered {
             picture,
             progress,
@@ -395,6 +394,73 @@ impl Rendering {
             keeper,
             unsaved,
         })
+    }
+
+    /// Makes the picture of a film that others have sampled in `seconds` and that was found at `path`, with layers and guides
+    /// as [`Rendering::develop`] does.
+    ///
+    /// # Errors
+    /// A [`CheckpointError`] when the film is of another picture.
+    pub fn develop_film(
+        &mut self,
+        film: Film,
+        path: &Path,
+        seconds: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<Rendered, RenderError> {
+        self.renderer.check_film(&film, path)?;
+        let whole = Portion { samples: self.samples(), rows: 0..film.height() };
+        let finished = film.label().is_some_and(|label| label.portions() == [whole]);
+        let samples = film.sample_range().0;
+        let progress = Progress {
+            samples,
+            total_samples: film.samples() + film.rejected(),
+            fraction: f64::from(samples) / f64::from(self.renderer.target()),
+            noise: None,
+            seconds,
+        };
+        let mut failure = None;
+        let picture = self.finish(film, &progress, &mut failure, observer);
+        let (shapes, triangles) = (self.scene.shapes(), self.scene.triangles());
+        let checkpoint = Some(path.to_owned());
+        Ok(Rendered {
+            picture,
+            progress,
+            preparation: self.preparation(),
+            finished,
+            failure,
+            checkpoint,
+            shapes,
+            triangles,
+            keeper: None,
+            unsaved: None,
+        })
+    }
+
+    /// Time that went by before the first sample, and in which kernels were compiled until now.
+    fn preparation(&mut self) -> Preparation {
+        let compile_seconds = self.renderer.session().compile_time().as_secs_f64();
+        Preparation { compile_seconds, ..self.preparation }
+    }
+
+    /// Adds to a film what belongs to its picture, unless the device has met a `failure` or meets one now.
+    fn finish(
+        &mut self,
+        film: Film,
+        progress: &Progress,
+        failure: &mut Option<DeviceError>,
+        observer: &mut dyn Observer,
+    ) -> Picture {
+        let mut features = None;
+        let mut coverage = None;
+        while failure.is_none() && features.is_none() {
+            match self.features(observer, &film, progress) {
+                Ok(found) => (features, coverage) = (Some(found.0), found.1),
+                Err(error) => *failure = self.overcome(error, observer).err(),
+            }
+        }
+        let film = if coverage.is_some() { film.with_coverage(coverage) } else { film };
+        self.picture(film, features)
     }
 
     /// Takes samples until there are enough, in number or by the clock, or `observer` breaks off. A device that is lost is
@@ -491,18 +557,22 @@ impl Rendering {
     }
 
     /// Renders what the layers and the denoiser need to know of first surfaces, and their coverage if the picture has an
-    /// alpha channel.
-    fn features(&mut self, observer: &mut dyn Observer, film: &Film) -> Result<(Features, Option<Film>), DeviceError> {
+    /// alpha channel and the film does not have it yet.
+    fn features(
+        &mut self,
+        observer: &mut dyn Observer,
+        film: &Film,
+        progress: &Progress,
+    ) -> Result<(Features, Option<Film>), DeviceError> {
         let wanted = self.request.features();
-        let has_alpha = self.scene.settings.alpha;
+        let has_alpha = self.scene.settings.alpha && film.coverage().is_none();
         if has_alpha || !wanted.is_empty() {
             observer.begin(Phase::Layers);
         }
         // The mean number, where parts of the picture have more than others; an early end ends these films early too.
         let samples = (film.samples() / film.pixels().len() as u64).clamp(1, MOST_FEATURE_SAMPLES) as u32;
-        let progress = self.renderer.progress();
-        let features = Features::render(&mut self.renderer, &wanted, samples, || observer.progress(&progress))?;
-        let coverage = has_alpha.then(|| self.renderer.coverage(film, || observer.progress(&progress)));
+        let features = Features::render(&mut self.renderer, &wanted, samples, || observer.progress(progress))?;
+        let coverage = has_alpha.then(|| self.renderer.coverage(film, || observer.progress(progress)));
         Ok((features, coverage.transpose()?))
     }
 
@@ -542,7 +612,7 @@ impl Rendered {
         if let Some(path) = &self.checkpoint {
             return Ok(path.clone());
         }
-        let (label, state) = &self.unsaved;
+        let (label, state) = self.unsaved.as_ref().ok_or(io::ErrorKind::NotFound)?;
         let notes = self.picture.extras.metadata.as_ref().map(Metadata::notes).unwrap_or_default();
         let (label, state) = (label.make().with_notes(notes), state.note());
         let mut outcome = Err(io::ErrorKind::NotFound.into());

@@ -11,11 +11,12 @@ use raggio_render::{
 use raggio_scene::Scene;
 
 /// A sphere that is lit from above alone, so that parts of the picture rest early and others late.
-pub fn scene() -> Scene {
-    let text = "version = 1\n[render]\nwidth = 40\nheight = 30\nsamples = 40\n[camera]\nposition = [0, 0, 3]\n\
+pub const TEXT: &str = "version = 1\n[render]\nwidth = 40\nheight = 30\nsamples = 40\n[camera]\nposition = [0, 0, 3]\n\
                 look_at = [0, 0, 0]\nvertical_fov_degrees = 60\n[environment]\nhorizon = [0, 0, 0]\nzenith = [4, 4, 4]\n\
                 [materials.a]\n[[shapes]]\nmaterial = \"a\"\nsphere = { center = [0, 0, 0], radius = 1 }\n";
-    Scene::parse(text, "scene.toml").expect("the scene is right")
+
+pub fn scene() -> Scene {
+    Scene::parse(TEXT, "scene.toml").expect("the scene is right")
 }
 
 fn cpu() -> CpuDevice {

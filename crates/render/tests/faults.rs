@@ -7,9 +7,10 @@ use raggio_render::{
     Aov, CpuDevice, CpuOptions, Device, DeviceChoice, DeviceGroup, Observer, OpenOptions, Progress, RenderError,
     RenderRequest, Rendered, Rendering, open,
 };
+use raggio_scene::{AssetOptions, Assets, Scene};
 use raggio_vulkan::Fault;
 
-use crate::checkpoints::{Ear, request, same, scene};
+use crate::checkpoints::{Ear, TEXT, request, same, scene};
 
 /// A Vulkan device, if there is one.
 fn vulkan() -> Option<Box<dyn Device>> {
@@ -127,9 +128,15 @@ impl<F: Fn(usize) -> bool> Observer for Losing<F> {
 fn a_lost_device_is_opened_again_so_often() {
     let Some(device) = vulkan() else { return };
     let context = device.vulkan().expect("it is one");
-    let mut scene = scene();
-    (scene.render.width, scene.render.height, scene.render.samples) = (12, 10, 5);
     let folder = tempfile::tempdir().expect("a folder");
+    // Its hierarchy has to be there once more, too.
+    let corners = "v -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\nv 0 0 2\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
+    std::fs::write(folder.path().join("pyramid.obj"), corners).expect("a file");
+    let shapes = format!("{}[[shapes]]\nmaterial = \"a\"\nmesh = {{ file = \"pyramid.obj\" }}\n", TEXT);
+    let mut assets = Assets::new(AssetOptions::default());
+    let parsed = Scene::parse_with(&shapes, &folder.path().join("scene.toml"), &mut assets);
+    let mut scene = parsed.expect("the scene is right");
+    (scene.render.width, scene.render.height, scene.render.samples) = (12, 10, 5);
     let path = folder.path().join("a.checkpoint");
     let run = |device: &dyn Device, request: RenderRequest, is_lost: fn(usize) -> bool| {
         let mut losing = Losing { context: context.clone(), portion: 0, is_lost, ear: Ear::default() };

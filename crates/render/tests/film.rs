@@ -58,6 +58,11 @@ fn films_come_back_as_they_were() {
     let film = film(&scene(), 3..7);
     let back = read(&bytes(&film)).expect("the file is whole");
     assert_eq!(back, film);
+    assert_eq!(film.to_bytes().expect("it has a label"), bytes(&film), "in memory as in files");
+    assert_eq!(Film::from_bytes(&bytes(&film), Path::new("a")).expect("they are whole"), film);
+    let damaged = Film::from_bytes(&bytes(&film)[1..], Path::new("a")).expect_err("the first byte is missing");
+    assert_eq!(damaged.to_string(), "a: not a film of raggio");
+    assert!(matches!(Film::new(2, 2).to_bytes(), Err(FilmError::Unlabelled)));
     assert_eq!((back.width(), back.height(), back.samples()), (WIDTH, HEIGHT, 4 * u64::from(WIDTH * HEIGHT)));
     let label = back.label().expect("films in files have labels");
     assert_eq!(label.portions(), [Portion { samples: 3..7, rows: 0..HEIGHT }]);

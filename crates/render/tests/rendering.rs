@@ -1,6 +1,7 @@
 //! Requests come true: samples, layers, an early end, and what is left of a render whose device fails.
 
 use std::ops::{ControlFlow, Range};
+use std::path::Path;
 use std::sync::Arc;
 
 use raggio_render::{
@@ -267,4 +268,41 @@ fn renders_give_up_nodes_that_nothing_reads() {
         assert_eq!(picture.film.label(), first.film.label(), "{set:?}, {walk:?}");
         assert_eq!(picture.extras.channels[0].values, first.extras.channels[0].values, "{set:?}, {walk:?}");
     }
+}
+
+/// Parts that one rendering takes one after the other, in any order, are the picture that another makes of their sum, with
+/// layers and alpha.
+#[test]
+fn a_film_that_others_have_sampled_becomes_the_picture() {
+    let mut scene = scene();
+    scene.render.alpha = true;
+    let request = RenderRequest { layers: vec![Aov::Depth], ..labelled() };
+    let whole = rendered(&scene, &cpu(), request.clone(), &mut Ear::patient(usize::MAX));
+
+    let mut worker = Rendering::begin(&scene, &cpu(), labelled()).expect("the scene loads");
+    let mut part = |samples: Range<u32>| {
+        worker.restart_with(samples.clone()).expect("the device is well");
+        let film = developed(&mut worker).picture.film;
+        assert_eq!(film.label().expect("a label").portions(), [Portion { samples, rows: 0..HEIGHT }]);
+        film
+    };
+    let mut film = part(1..3);
+    film.merge(&part(0..1)).expect("other samples");
+    assert_eq!(film.coverage(), whole.picture.film.coverage());
+
+    let begin = |scene: &Scene| Rendering::begin(scene, &cpu(), request.clone()).expect("the scene loads");
+    let path = Path::new("gathered.film");
+    let mut ear = Ear::patient(usize::MAX);
+    let made = begin(&scene).develop_film(film.clone(), path, 2.5, &mut ear).expect("it is of this scene");
+    assert!(made.finished && made.failure.is_none());
+    assert_eq!((made.progress.samples, made.progress.seconds), (3, 2.5));
+    assert_eq!(made.picture.film, whole.picture.film);
+    assert_eq!(made.picture.extras.channels, whole.picture.extras.channels);
+    assert_eq!(made.checkpoint.as_deref(), Some(path));
+
+    let unfinished = begin(&scene).develop_film(part(2..3), path, 2.5, &mut ear).expect("it is of this scene");
+    assert!(!unfinished.finished);
+    scene.camera.position.x += 1.0;
+    let refused = begin(&scene).develop_film(film, path, 2.5, &mut ear).expect_err("it is of another");
+    assert!(refused.to_string().contains("cannot go on from gathered.film: it is of another scene"), "{refused}");
 }

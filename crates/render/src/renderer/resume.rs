@@ -31,6 +31,20 @@ impl Renderer {
         }
     }
 
+    /// Checks that a film, found at `path`, is of this renderer's picture.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Other`] when it is of another.
+    pub(crate) fn check_film(&self, film: &Film, path: &Path) -> Result<(), CheckpointError> {
+        let other = |difference| CheckpointError::Other { path: path.into(), difference: Box::new(difference) };
+        let (now, then) = ([self.width, self.height], [film.width(), film.height()]);
+        if now != then {
+            return Err(other(MergeError::Size(now, then)));
+        }
+        let label = film.label().ok_or_else(|| other(MergeError::Unlabelled))?;
+        self.label().check_same_picture(label).map_err(other)
+    }
+
     /// Goes on from a checkpoint, found at `path`, of the same picture and of samples that are to be rendered, in place of
     /// the first sample.
     ///
@@ -38,17 +52,12 @@ impl Renderer {
     /// A [`CheckpointError`] when the checkpoint is of something else, or the device fails.
     pub(crate) fn resume(&mut self, checkpoint: &Checkpoint, path: &Path) -> Result<(), CheckpointError> {
         let Checkpoint { film, state } = checkpoint;
-        let other = |difference| CheckpointError::Other { path: path.into(), difference: Box::new(difference) };
         let damaged = || FilmError::Damaged {
             path: path.into(),
             reason: "how its sampling goes on is not as its film says".into(),
         };
-        let (now, then) = ([self.width, self.height], [film.width(), film.height()]);
-        if now != then {
-            return Err(other(MergeError::Size(now, then)));
-        }
+        self.check_film(film, path)?;
         let label = film.label().ok_or_else(damaged)?;
-        self.label().check_same_picture(label).map_err(other)?;
         if state.first != self.samples.start || state.pass.end > self.samples.end {
             let [found, wanted] =
                 [state.first..state.pass.end, self.samples.clone()].map(|range| [range.start, range.end]);

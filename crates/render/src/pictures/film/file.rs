@@ -112,6 +112,20 @@ enum Fault {
     TooLarge(TooLarge),
 }
 
+impl Fault {
+    /// The error of the file at `path`.
+    fn of(self, path: &Path) -> FilmError {
+        let path = path.to_path_buf();
+        match self {
+            Self::System(source) => FilmError::Unreadable { path, source },
+            Self::NotAFilm => FilmError::NotAFilm { path },
+            Self::Version(found) => FilmError::Version { path, found },
+            Self::Damaged(reason) => FilmError::Damaged { path, reason },
+            Self::TooLarge(source) => FilmError::TooLarge { path, source },
+        }
+    }
+}
+
 impl Film {
     /// Writes the film, its label and a checksum to `path`, whole or not at all.
     ///
@@ -149,6 +163,27 @@ impl Film {
         to.inner.write_all(checksum.as_bytes())
     }
 
+    /// Bytes of the file that [`Film::write`] writes.
+    ///
+    /// # Errors
+    /// [`FilmError::Unlabelled`] when the film has no label.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, FilmError> {
+        let label = self.label().ok_or(FilmError::Unlabelled)?;
+        let sums = if self.coverage().is_some() { 2 } else { 1 };
+        let mut bytes = Vec::with_capacity(sums * film_bytes(self.width(), self.height()) as usize + LONGEST as usize);
+        let written = self.write_as(label, &mut bytes, &[]);
+        written.map_err(|source| FilmError::Unwritable { path: "memory".into(), source })?;
+        Ok(bytes)
+    }
+
+    /// Reads a film from the bytes of its file.
+    ///
+    /// # Errors
+    /// The errors of [`Film::read`], in which the file is called `name`.
+    pub fn from_bytes(bytes: &[u8], name: &Path) -> Result<Self, FilmError> {
+        from_reader(bytes).map(|(film, _)| film).map_err(|fault| fault.of(name))
+    }
+
     /// Reads a film that [`Film::write`] has written.
     ///
     /// # Errors
@@ -160,15 +195,8 @@ impl Film {
 
     /// Reads a film, and those of its notes that belong to the file alone.
     pub(crate) fn read_with_notes(path: &Path) -> Result<(Self, Vec<Note>), FilmError> {
-        let path_of = || path.to_path_buf();
         let read = File::open(path).map_err(Fault::System).and_then(|file| from_reader(BufReader::new(file)));
-        read.map_err(|fault| match fault {
-            Fault::System(source) => FilmError::Unreadable { path: path_of(), source },
-            Fault::NotAFilm => FilmError::NotAFilm { path: path_of() },
-            Fault::Version(found) => FilmError::Version { path: path_of(), found },
-            Fault::Damaged(reason) => FilmError::Damaged { path: path_of(), reason },
-            Fault::TooLarge(source) => FilmError::TooLarge { path: path_of(), source },
-        })
+        read.map_err(|fault| fault.of(path))
     }
 }
 
