@@ -13,6 +13,9 @@ import raggio as rg
 
 ROOT = Path(__file__).resolve().parents[2]
 
+# Tests keep nothing in the user's own folders.
+os.environ["RAGGIO_NO_CACHE"] = "1"
+
 #: Tests are of the CPU alone: what differs between devices is for the program's tests.
 render = functools.partial(rg.render, device="cpu")
 

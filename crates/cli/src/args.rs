@@ -319,6 +319,7 @@ fn open_options(threads: Option<u32>) -> OpenOptions {
         cpu: CpuOptions { threads: threads.unwrap_or(0) as usize, ..CpuOptions::default() },
         validate: std::env::var_os("RAGGIO_VALIDATE").is_some_and(|value| value == "1"),
         instance: None,
+        cache: raggio_render::cache_folder(),
     }
 }
 

@@ -152,9 +152,8 @@ fn is_of(name: &str, info: &DeviceInfo) -> bool {
 /// Renders `scene` for `seconds`, once the device is ready.
 fn measure(device: &dyn Device, subject: &'static Subject, scene: &Scene, seconds: f32) -> Result<Measured, Failure> {
     let stop = Stop { time_limit: Some(seconds), ..Stop::default() };
-    let mut rendering = Rendering::begin(scene, device, RenderRequest { stop, ..RenderRequest::default() })?;
-    // Drivers compile kernels here, which is no part of their speed.
-    rendering.prepare()?;
+    let rendering = Rendering::begin(scene, device, RenderRequest { stop, ..RenderRequest::default() })?;
+    // Drivers compile kernels first, which is no part of their speed.
     let rendered = rendering.run(&mut |_: &Progress| ControlFlow::Continue(()))?;
     if let Some(error) = rendered.failure {
         return Err(error.into());

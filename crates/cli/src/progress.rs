@@ -1,12 +1,13 @@
 //! Words and figures of how a render goes, for people and for programs.
 
 use std::io::IsTerminal;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle as BarStyle};
 use raggio_choice::choice;
-use raggio_render::{Film, Phase, Progress, UNLIMITED_SAMPLES};
+use raggio_render::{Film, Observer, Phase, Progress, UNLIMITED_SAMPLES};
 use raggio_scene::counted;
 use serde_json::json;
 
@@ -32,6 +33,11 @@ choice! {
 
 /// Time from one line for a program to the next, at least.
 const PAUSE: Duration = Duration::from_millis(500);
+
+/// Seconds of compiling that are worth a line.
+const A_WHILE: f64 = 1.0;
+/// Progress of a render that has not begun.
+const NONE: Progress = Progress { samples: 0, total_samples: 0, fraction: 0.0, noise: None, seconds: 0.0 };
 
 /// Tells the user how a render goes.
 pub struct Reporter {
@@ -62,7 +68,7 @@ enum Style {
     Quiet,
     Silent,
     Bar(ProgressBar),
-    Lines { next: Instant, pause: Duration },
+    Lines { next: Instant, pause: Duration, is_compiling: bool },
     Json { next: Instant },
     OpenJd { next: Instant },
 }
@@ -104,7 +110,7 @@ impl Reporter {
             }
             _ => {
                 let pause = Duration::from_secs(2);
-                Style::Lines { next: next + pause, pause }
+                Style::Lines { next: next + pause, pause, is_compiling: false }
             }
         };
         Self { style, end, phase: Phase::Sampling, checkpoint: None, last: None, frame: None }
@@ -125,6 +131,11 @@ impl Reporter {
             Style::OpenJd { .. } => say_openjd("progress", format_args!("{:.2}", 100.0 * fraction)),
             _ => {}
         }
+    }
+
+    /// Prints a warning.
+    pub fn warn(&self, warning: &str) {
+        self.say(&format!("warning: {warning}"));
     }
 
     /// Prints a line of its own, above the bar.
@@ -149,8 +160,27 @@ impl Reporter {
             Style::Bar(_) | Style::Lines { .. } if phase == Phase::Denoising => self.say("denoising"),
             _ => {}
         }
-        if let (Style::Json { .. }, Some(last)) = (&self.style, self.last) {
-            self.update(&last);
+        match (&self.style, self.last) {
+            (Style::Json { .. }, Some(last)) => self.update(&last),
+            (Style::Json { .. }, None) if phase == Phase::Compiling => self.compiling(0.0),
+            _ => {}
+        }
+    }
+
+    /// Takes for how many `seconds` the render has waited for kernels.
+    pub fn compiling(&mut self, seconds: f64) {
+        let now = Instant::now();
+        match &mut self.style {
+            Style::Bar(bar) => bar.set_message(format!("compiling kernels  {}", duration(seconds))),
+            Style::Lines { is_compiling, .. } if seconds >= A_WHILE && !*is_compiling => {
+                *is_compiling = true;
+                say("compiling kernels");
+            }
+            Style::Json { next } if now >= *next => {
+                *next = now + PAUSE;
+                self.say_figures(self.phase.name(), &self.last.unwrap_or(NONE));
+            }
+            _ => {}
         }
     }
 
@@ -169,7 +199,7 @@ impl Reporter {
                 bar.set_position((1000.0 * fraction) as u64);
                 bar.set_message(describe(progress));
             }
-            Style::Lines { next, pause } => {
+            Style::Lines { next, pause, .. } => {
                 if now >= *next {
                     say(format_args!("{:3.0}%  {}", 100.0 * fraction, describe(progress)));
                     // Long renders need no line every two seconds.
@@ -229,8 +259,7 @@ impl Reporter {
         match &self.style {
             Style::Json { .. } => {
                 // Nothing is sampled where all frames were done before.
-                let none = Progress { samples: 0, total_samples: 0, fraction: 1.0, noise: None, seconds: 0.0 };
-                self.say_figures("done", &Progress { fraction: 1.0, ..self.last.unwrap_or(none) });
+                self.say_figures("done", &Progress { fraction: 1.0, ..self.last.unwrap_or(NONE) });
             }
             Style::OpenJd { .. } => {
                 say_openjd("progress", "100");
@@ -261,6 +290,26 @@ impl Reporter {
             millions(progress.total_samples as f64 / seconds),
             millions(film.rays() as f64 / seconds),
         ));
+    }
+}
+
+/// Hears what is told before samples are taken.
+impl Observer for Reporter {
+    fn warn(&mut self, warning: &str) {
+        Reporter::warn(self, warning);
+    }
+
+    fn begin(&mut self, phase: Phase) {
+        Reporter::begin(self, phase);
+    }
+
+    fn compiling(&mut self, seconds: f64) {
+        Reporter::compiling(self, seconds);
+    }
+
+    fn progress(&mut self, progress: &Progress) -> ControlFlow<()> {
+        self.update(progress);
+        ControlFlow::Continue(())
     }
 }
 
@@ -315,8 +364,8 @@ fn whole_fraction(progress: &Progress, frame: Option<FramePlace>) -> f64 {
 /// Seconds that a render has still to go, as far as its rate tells, and all frames after it.
 fn seconds_left(progress: &Progress, end: End, frame: Option<FramePlace>) -> Option<f64> {
     // Nobody knows how long it takes until the noise is low.
-    let by_fraction =
-        progress.noise.is_none().then(|| progress.seconds * (1.0 - progress.fraction) / progress.fraction.max(1e-9));
+    let is_known = progress.noise.is_none() && progress.fraction > 0.0;
+    let by_fraction = is_known.then(|| progress.seconds * (1.0 - progress.fraction) / progress.fraction);
     let by_time = end.time_limit.map(|limit| (f64::from(limit) - progress.seconds).max(0.0));
     let left = [by_fraction, by_time].into_iter().flatten().reduce(f64::min)?;
     let Some(FramePlace { done, total, mean_seconds, .. }) = frame else { return Some(left) };

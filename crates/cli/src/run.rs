@@ -2,8 +2,7 @@
 
 use std::ops::{ControlFlow, Range};
 use std::path::Path;
-use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use raggio_render::{
     Checkpoints, Denoiser, Device, DeviceError, Display, Fingerprint, ImageFile, Observer, Phase, Picture, Progress,
@@ -17,7 +16,7 @@ use crate::files::Files;
 use crate::output::say;
 use crate::progress::{End, ProgressStyle, Reporter};
 use crate::signals::{self, Stopped};
-use crate::stats::Stats;
+use crate::stats::{Setup, Stats};
 
 /// A render and all that is wanted of it.
 pub struct Job<'a> {
@@ -34,21 +33,25 @@ pub struct Job<'a> {
 /// Renders, writes all files, and says how it went.
 pub fn run(job: Job) -> Result<(), Failure> {
     let Job { start, mut scene, mut request, files, denoiser, machine, overrides, progress } = job;
+    let read_seconds = Some(start.elapsed().as_secs_f64());
     override_settings(&mut scene, overrides);
     request.stop.samples = overrides.samples.map(|range| range.start..range.end);
     let warn = warnings(machine.quiet);
     scene.warnings.iter().for_each(|warning| warn(warning));
     warn_of_left(request.checkpoints.as_ref(), &warn);
     raggio_render::check_memory(scene.render.width, scene.render.height)?;
+    let opened = Instant::now();
     let device = open(machine)?;
+    let open_seconds = opened.elapsed().as_secs_f64();
     let (stop, checkpoint) = (request.stop.clone(), request.checkpoints.as_ref().map(|kept| kept.path.clone()));
     let mut rendering = Rendering::begin(&scene, &*device, request)?;
-    ready(machine.quiet, || rendering.prepare())?;
-    let setup_seconds = start.elapsed().as_secs_f64();
     let target = Target::of(&rendering, &stop);
-    let reporter = Reporter::new(machine.quiet, progress, target.end);
+    let mut reporter = Reporter::new(machine.quiet, progress, target.end);
     reporter.say(&format!("{}, {} on {}", size_of(&scene), target.words, device.name()));
     tell_where_it_goes_on(&rendering, &reporter);
+    // A signal ends the program at once as long as there are no samples that it could lose.
+    rendering.prepare(&mut reporter)?;
+    let setup = Setup { seconds: start.elapsed().as_secs_f64(), read_seconds, open_seconds };
 
     let mut listener = Listener { reporter, stopped: signals::listen(rendering.stop_flag()) };
     let rendered = rendering.run(&mut listener)?;
@@ -59,7 +62,7 @@ pub fn run(job: Job) -> Result<(), Failure> {
         denoiser,
         device: &device.name(),
         settings: &scene.render,
-        setup_seconds,
+        setup,
         target: target.samples,
         checkpoint: checkpoint.as_deref(),
         fingerprint: None,
@@ -80,8 +83,7 @@ fn warnings(quiet: bool) -> impl Fn(&str) {
 
 /// Opens the device that is asked for.
 pub fn open(machine: &MachineArguments) -> Result<Box<dyn Device>, DeviceError> {
-    let warn = warnings(machine.quiet);
-    ready(machine.quiet, || raggio_render::open_all(&machine.device, &machine.options(), warn))
+    raggio_render::open_all(&machine.device, &machine.options(), warnings(machine.quiet))
 }
 
 /// Warns of a checkpoint that is there though nobody wants to go on from it.
@@ -134,7 +136,7 @@ pub struct Made<'a> {
     pub denoiser: Option<&'a Denoiser>,
     pub device: &'a str,
     pub settings: &'a RenderSettings,
-    pub setup_seconds: f64,
+    pub setup: Setup,
     /// Samples of each pixel that were asked for.
     pub target: u32,
     /// Path at which its checkpoint was to be.
@@ -153,7 +155,7 @@ impl Made<'_> {
         if let Some(metadata) = &mut self.rendered.picture.extras.metadata {
             metadata.fingerprint = self.fingerprint.filter(|_| !is_stopped);
         }
-        let Self { rendered, files, denoiser, device, settings, setup_seconds, target, checkpoint, .. } = &self;
+        let Self { rendered, files, denoiser, device, settings, setup, target, checkpoint, .. } = &self;
         let (picture, progress) = (&rendered.picture, &rendered.progress);
         reporter.report(&picture.film, progress, if rendered.finished { progress.samples } else { *target });
         // One thing that fails is no reason to lose the others.
@@ -167,7 +169,7 @@ impl Made<'_> {
             outcome = both(outcome, written);
         }
         if let Some(file) = &files.stats {
-            let stats = Stats { device, rendered, settings, setup_seconds: *setup_seconds };
+            let stats = Stats { device, rendered, settings, setup: *setup };
             outcome = both(outcome, stats.write(file));
         }
         if let Err(Failure::Unwritten(message)) = outcome {
@@ -212,22 +214,6 @@ fn rescued(rendered: &Rendered, files: &Files, message: String) -> Failure {
     }
 }
 
-/// Makes the device ready by `prepare`, and says so where it takes a while: drivers compile kernels then.
-pub fn ready<T>(quiet: bool, prepare: impl FnOnce() -> Result<T, DeviceError>) -> Result<T, DeviceError> {
-    const A_WHILE: Duration = Duration::from_secs(1);
-    std::thread::scope(|scope| {
-        let (done, wait) = channel::<()>();
-        scope.spawn(move || {
-            if !quiet && wait.recv_timeout(A_WHILE) == Err(RecvTimeoutError::Timeout) {
-                say("compiling kernels (first time on this device)");
-            }
-        });
-        let prepared = prepare();
-        drop(done);
-        prepared
-    })
-}
-
 /// Writes a picture to all of `files`.
 ///
 /// # Errors
@@ -262,11 +248,15 @@ pub struct Listener {
 
 impl Observer for Listener {
     fn warn(&mut self, warning: &str) {
-        self.reporter.say(&format!("warning: {warning}"));
+        self.reporter.warn(warning);
     }
 
     fn begin(&mut self, phase: Phase) {
         self.reporter.begin(phase);
+    }
+
+    fn compiling(&mut self, seconds: f64) {
+        self.reporter.compiling(seconds);
     }
 
     fn saved(&mut self, checkpoint: &Path) {

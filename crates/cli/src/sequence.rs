@@ -18,10 +18,9 @@ use crate::error::Failure;
 use crate::files::{Files, check_apart, denoiser};
 use crate::order::{checkpoints, request, wanted};
 use crate::progress::{End, FramePlace, Reporter, duration};
-use crate::run::{
-    Listener, Made, Target, open, override_settings, ready, size_of, tell_where_it_goes_on, warn_of_left,
-};
+use crate::run::{Listener, Made, Target, open, override_settings, size_of, tell_where_it_goes_on, warn_of_left};
 use crate::signals;
+use crate::stats::Setup;
 use crate::video::Video;
 
 /// Runs `raggio render --frames`.
@@ -215,7 +214,7 @@ struct Started {
     rendering: Rendering,
     listener: Listener,
     target: u32,
-    setup_seconds: f64,
+    setup: Setup,
 }
 
 impl Job<'_> {
@@ -265,13 +264,13 @@ impl Job<'_> {
         match &mut self.started {
             Some(started) => {
                 started.rendering.next_frame(scene, translated.clone(), self.request.checkpoints.clone())?;
-                started.setup_seconds = begun.elapsed().as_secs_f64();
+                started.setup = Setup { seconds: begun.elapsed().as_secs_f64(), read_seconds: None, open_seconds: 0.0 };
             }
             None => self.start(scene, translated)?,
         }
         self.stopped()?;
         let denoiser = self.denoiser.as_ref().map(|(denoiser, _)| *denoiser);
-        let Some(Started { device, rendering, listener, target, setup_seconds }) = &mut self.started else {
+        let Some(Started { device, rendering, listener, target, setup }) = &mut self.started else {
             return Ok(());
         };
         tell_where_it_goes_on(rendering, &listener.reporter);
@@ -283,7 +282,7 @@ impl Job<'_> {
             denoiser,
             device: &device.name(),
             settings: &scene.render,
-            setup_seconds: *setup_seconds,
+            setup: *setup,
             target: *target,
             checkpoint: wanted.as_deref(),
             fingerprint: Some(fingerprint),
@@ -354,17 +353,19 @@ impl Job<'_> {
     /// Opens the device for the first frame that is to be rendered.
     fn start(&mut self, scene: &Scene, translated: &DeviceScene) -> Result<(), Failure> {
         let machine = &self.arguments.machine;
+        let opened = Instant::now();
         let device = open(machine)?;
+        let open_seconds = opened.elapsed().as_secs_f64();
         let mut rendering = Rendering::begin_translated(scene, translated.clone(), &*device, self.request.clone())?;
-        ready(machine.quiet, || rendering.prepare())?;
         let target = Target::of(&rendering, &self.request.stop);
         let Some(mut reporter) = self.idle.take() else { return Ok(()) };
         reporter.set_end(target.end);
         let frames = counted(self.total, "frame");
         reporter.say(&format!("{frames} of {}, {} on {}", size_of(scene), target.words, device.name()));
+        rendering.prepare(&mut reporter)?;
         let listener = Listener { reporter, stopped: signals::listen(rendering.stop_flag()) };
-        let setup_seconds = self.setup.elapsed().as_secs_f64();
-        self.started = Some(Started { device, rendering, listener, target: target.samples, setup_seconds });
+        let setup = Setup { seconds: self.setup.elapsed().as_secs_f64(), read_seconds: None, open_seconds };
+        self.started = Some(Started { device, rendering, listener, target: target.samples, setup });
         Ok(())
     }
 

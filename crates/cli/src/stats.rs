@@ -1,4 +1,4 @@
-use raggio_render::{OutputFile, Rendered};
+use raggio_render::{OutputFile, Preparation, Rendered};
 use raggio_scene::RenderSettings;
 use serde_json::json;
 
@@ -9,7 +9,18 @@ pub struct Stats<'a> {
     pub device: &'a str,
     pub rendered: &'a Rendered,
     pub settings: &'a RenderSettings,
-    pub setup_seconds: f64,
+    pub setup: Setup,
+}
+
+/// Time before the first sample, but for what the render itself knows of it.
+#[derive(Clone, Copy)]
+pub struct Setup {
+    /// All of it, from the start of the program or of the frame.
+    pub seconds: f64,
+    /// Part of it in which the scene was read; `None` where it was read beside other work.
+    pub read_seconds: Option<f64>,
+    /// Part of it in which the device was opened.
+    pub open_seconds: f64,
 }
 
 impl Stats<'_> {
@@ -17,13 +28,21 @@ impl Stats<'_> {
         let (film, progress) = (&self.rendered.picture.film, &self.rendered.progress);
         let seconds = progress.seconds.max(1e-9);
         let rays = film.rays();
+        let Preparation { translate_seconds, upload_seconds, compile_seconds, compile_wait_seconds } =
+            self.rendered.preparation;
         let stats = json!({
             "device": self.device,
             "width": film.width(),
             "height": film.height(),
             "samples_per_pixel": film.sample_range().0,
             "max_depth": self.settings.max_depth,
-            "setup_seconds": self.setup_seconds,
+            "setup_seconds": self.setup.seconds,
+            "read_seconds": self.setup.read_seconds,
+            "open_seconds": self.setup.open_seconds,
+            "translate_seconds": translate_seconds,
+            "upload_seconds": upload_seconds,
+            "compile_seconds": compile_seconds,
+            "compile_wait_seconds": compile_wait_seconds,
             "render_seconds": progress.seconds,
             "samples_per_second": progress.total_samples as f64 / seconds,
             "rays": rays,

@@ -1,10 +1,9 @@
 //! Contents of a picture besides its colours, and the noise at which it is good enough.
 
 use std::path::Path;
-use std::process::Command;
 use std::time::Instant;
 
-use crate::common::{SCENE, assert_refused, folder_with, raggio, read_exr, text};
+use crate::common::{SCENE, assert_refused, folder_with, program, raggio, read_exr, text};
 use exr::prelude::{
     AttributeValue, FlatSamples, ReadChannels, ReadLayers, Text, read, read_first_rgba_layer_from_file,
 };
@@ -131,7 +130,7 @@ fn layers_need_a_file_that_holds_them() {
 #[test]
 fn without_the_library_nothing_is_denoised() {
     let folder = folder_with(SCENE);
-    let mut command = Command::new(env!("CARGO_BIN_EXE_raggio"));
+    let mut command = program();
     command.args(["render", "scene.toml", "--denoise"]).current_dir(folder.path()).env("OIDN_DIR", folder.path());
     assert_refused(&command.output().expect("raggio starts"), "error: Intel Open Image Denoise was not found: run");
     assert!(!folder.path().join("scene.png").exists(), "no time is spent first");

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::common::{SCENE, assert_refused, files_in, folder_with, raggio, read_exr, text};
+use crate::common::{SCENE, assert_refused, files_in, folder_with, program, raggio, read_exr, text};
 
 /// The small scene with a camera that goes to the right by 2 within the first second.
 fn moving() -> String {
@@ -84,7 +84,7 @@ fn what_cannot_be_is_refused_before_anything_is_rendered() {
     refused(&["--frames", "1-3", "-o", "#.png", "--video", "a.avi"], "--video a.avi: the ending must be .mp4");
     refused(&["--frames", "1-3", "-o", "#.png", "-o", "#.png"], "it would replace what goes to 1.png");
     assert_eq!(files_in(folder), ["scene.toml"]);
-    let output = Command::new(env!("CARGO_BIN_EXE_raggio"))
+    let output = program()
         .args(["render", "scene.toml", "--frames", "1-3", "--video", "a.mp4"])
         .current_dir(folder)
         .env("PATH", folder)
@@ -261,7 +261,7 @@ fn a_sequence_that_is_stopped_goes_on() {
     let quick = ["--frames", "1-2", "--fps", "4", "-o", "#.exr", "--samples", "2"];
     succeeds(folder, &quick);
     let all = ["--frames", "1-2", "--fps", "4", "-o", "#.exr", "--checkpoint-every", "1samples"];
-    let child = Command::new(env!("CARGO_BIN_EXE_raggio"))
+    let child = program()
         .args(["render", "scene.toml", "--device", "cpu"])
         .args(all)
         .args(["--overwrite"])
@@ -334,7 +334,7 @@ fn stand_in(script: &str) -> (tempfile::TempDir, String) {
 
 #[cfg(unix)]
 fn with_path(folder: &Path, path: &str, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_raggio"))
+    program()
         .args(["render", "scene.toml", "--device", "cpu"])
         .args(arguments)
         .current_dir(folder)

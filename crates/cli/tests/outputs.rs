@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::common::{SCENE, assert_refused, files_in, folder_with, raggio, read_exr, text};
+use crate::common::{SCENE, assert_refused, files_in, folder_with, program, raggio, read_exr, text};
 
 /// So many samples that a test would not end if it rendered first.
 fn endless() -> String {
@@ -291,7 +291,7 @@ mod unix {
         ];
         for arguments in commands {
             let full = File::options().write(true).open("/dev/full").expect("a full disk");
-            let mut command = Command::new(env!("CARGO_BIN_EXE_raggio"));
+            let mut command = program();
             command.args(arguments).current_dir(folder.path()).env("VK_DRIVER_FILES", "/nowhere.json");
             let output = command.stdout(full).output().expect("raggio starts");
             let expected = "error: cannot write to standard output: No space left on device (os error 28)\n";
@@ -309,7 +309,7 @@ mod unix {
     fn a_folder_that_vanishes_meanwhile_is_made_again() {
         let folder = folder_with(&endless());
         std::fs::create_dir_all(folder.path().join("out/deep")).expect("a folder");
-        let mut child = Command::new(env!("CARGO_BIN_EXE_raggio"))
+        let mut child = program()
             .args(["render", "scene.toml", "--device", "cpu", "-o", "out/deep/a.png", "--stats", "out/s.json"])
             .current_dir(folder.path())
             .stderr(Stdio::piped())
@@ -333,7 +333,7 @@ mod unix {
         let there = |name: &str| folder.path().join(name);
         std::fs::create_dir_all(there("out/deep")).expect("a folder");
         std::fs::write(there("a.png"), "older").expect("a file");
-        let mut child = Command::new(env!("CARGO_BIN_EXE_raggio"))
+        let mut child = program()
             .args(["render", "scene.toml", "--device", "cpu", "-o", "out/deep/a.png", "-o", "out/deep/b.exr"])
             .args(["-o", "c.png", "--stats", "out/s.json"])
             .current_dir(folder.path())
@@ -391,7 +391,7 @@ mod unix {
         let path = folder.path().join("all.json");
         std::fs::write(&path, "before\n").expect("a file");
         let log = File::options().append(true).open(&path).expect("a file");
-        let mut command = Command::new(env!("CARGO_BIN_EXE_raggio"));
+        let mut command = program();
         command.args(arguments).current_dir(folder.path()).stdout(log).stderr(Stdio::null());
         assert!(command.status().expect("raggio starts").success());
         let mut all = String::new();

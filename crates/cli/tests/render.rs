@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::common::{SCENE, assert_refused, files_in, folder_with, project_file, raggio, read_exr, text};
+use crate::common::{SCENE, assert_refused, files_in, folder_with, program, project_file, raggio, read_exr, text};
 
 #[test]
 fn without_output_the_picture_is_named_after_the_scene() {
@@ -101,6 +101,12 @@ fn the_command_line_overrides_the_scene() {
             "samples_per_pixel",
             "max_depth",
             "setup_seconds",
+            "read_seconds",
+            "open_seconds",
+            "translate_seconds",
+            "upload_seconds",
+            "compile_seconds",
+            "compile_wait_seconds",
             "render_seconds",
             "samples_per_second",
             "rays",
@@ -114,6 +120,10 @@ fn the_command_line_overrides_the_scene() {
     );
     assert_eq!((&stats["width"], &stats["height"]), (&20.into(), &30.into()));
     assert_eq!((&stats["samples_per_pixel"], &stats["max_depth"], &stats["shapes"]), (&3.into(), &2.into(), &1.into()));
+    let seconds = |key: &str| stats[key].as_f64().expect("seconds");
+    let parts = ["read", "open", "translate", "upload", "compile_wait"].map(|part| seconds(&format!("{part}_seconds")));
+    assert!(parts.iter().all(|part| *part >= 0.0) && parts.iter().sum::<f64>() <= seconds("setup_seconds"), "{stats}");
+    assert_eq!(seconds("compile_seconds"), 0.0, "the CPU's kernels are part of the program");
     let rays = stats["rays"].as_u64().expect("a count");
     // Each sample traces the camera's ray, and at most one more.
     assert!((1800..=3600).contains(&rays), "{rays} rays");
@@ -225,7 +235,7 @@ fn a_picture_can_be_read_by_whom_any_new_file_can() {
 fn interrupting_writes_what_there_is() {
     use std::io::{BufRead, BufReader};
     let folder = folder_with(&SCENE.replace("samples = 4", "samples = 2000000000"));
-    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_raggio"))
+    let mut child = program()
         .args(["render", "scene.toml", "--device", "cpu", "--stats", "s.json"])
         .current_dir(folder.path())
         .stderr(std::process::Stdio::piped())
@@ -300,7 +310,7 @@ fn statistics_that_cannot_be_written_are_refused_before_rendering() {
 #[test]
 fn automatic_choice_renders_everywhere_and_validation_is_silent() {
     let folder = folder_with(SCENE);
-    let output = std::process::Command::new(env!("CARGO_BIN_EXE_raggio"))
+    let output = program()
         .args(["render", "scene.toml"])
         .env("RAGGIO_VALIDATE", "1")
         .current_dir(folder.path())

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::common::{SCENE, assert_refused, files_in, folder_with, raggio, text};
+use crate::common::{SCENE, assert_refused, files_in, folder_with, program, raggio, text};
 
 /// A scene whose light depends on where a ray goes, with so many samples that a test has the time to stop it.
 fn slow() -> String {
@@ -19,7 +19,7 @@ fn endless() -> String {
 }
 
 fn command(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_raggio"));
+    let mut command = program();
     command.args(["render", "scene.toml", "--device", "cpu"]).args(arguments).current_dir(folder);
     command
 }

@@ -45,7 +45,7 @@ pub fn device(name: &str, threads: usize, warn: impl Fn(&str)) -> PyResult<Arc<d
         return Ok(device);
     }
     let cpu = CpuOptions { threads, ..CpuOptions::default() };
-    let options = OpenOptions { cpu, ..OpenOptions::default() };
+    let options = OpenOptions { cpu, cache: raggio_render::cache_folder(), ..OpenOptions::default() };
     let device: Arc<dyn Device> = open_all(&choice, &options, warn).map_err(device_error)?.into();
     lock().get_or_insert_default().devices.insert(key, device.clone());
     Ok(device)

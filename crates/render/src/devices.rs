@@ -7,5 +7,7 @@ pub mod cpu;
 pub mod device;
 pub mod films;
 pub mod group;
+pub mod kept;
 pub mod machine;
+pub mod pipelines;
 pub mod vulkan;

@@ -22,6 +22,7 @@ pub use devices::counted::Counted;
 pub use devices::cpu::{CpuDevice, CpuOptions};
 pub use devices::device::{Answer, Device, DeviceError, DeviceInfo, Question, Session};
 pub use devices::group::DeviceGroup;
+pub use devices::kept::cache_folder;
 pub use devices::machine::{TooLarge, check_memory, memory_bytes, peak_memory_bytes, total_memory_bytes};
 pub use devices::vulkan::VulkanDevice;
 pub use frames::{FrameRate, Frames, Pattern};
@@ -48,7 +49,7 @@ pub use raggio_kernels::{
 #[cfg(target_os = "linux")]
 pub use raggio_vulkan::CudaMemory;
 pub use renderer::{NoiseProgress, Progress, Renderer};
-pub use rendering::{RenderError, Rendered, Rendering};
+pub use rendering::{Preparation, RenderError, Rendered, Rendering};
 pub use request::{Observer, Phase, RenderRequest, Stop, UNLIMITED_SAMPLES};
 pub use translation::bounds::bounds;
 pub use translation::device_scene::DeviceScene;

@@ -2,12 +2,14 @@
 
 mod failures;
 
+use std::cell::Cell;
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
 
 use raggio_kernels::MAX_NESTED_MEDIA;
 use raggio_scene::Scene;
@@ -32,6 +34,8 @@ use failures::Safety;
 const MOST_FEATURE_SAMPLES: u64 = 1024;
 /// Seconds of the shortest portion before a time limit: what is shorter costs more than it brings.
 const SHORTEST_PORTION: f64 = 0.005;
+/// Time after which those who wait for kernels are told that they still do.
+const PATIENCE: Duration = Duration::from_millis(250);
 
 /// A render whose scene is on its device.
 pub struct Rendering {
@@ -44,6 +48,7 @@ pub struct Rendering {
     resumed: Option<PathBuf>,
     /// Seconds that were spent before a checkpoint was written, and until now.
     spent: f64,
+    preparation: Preparation,
     /// Whether sampling has come to its own end.
     is_done: bool,
     /// Warnings for the observer, who is not there yet.
@@ -57,6 +62,8 @@ pub struct Rendered {
     pub picture: Picture,
     /// Progress at the end.
     pub progress: Progress,
+    /// Time that went by before the first sample.
+    pub preparation: Preparation,
     /// Whether every pixel has all samples that were asked for.
     pub finished: bool,
     /// Error of the device that ended the render early; layers and guides are missing then.
@@ -81,6 +88,19 @@ struct End {
     is_labelled: bool,
     /// Whether every pixel has all its samples.
     finished: bool,
+}
+
+/// Time that goes by before the first sample of a render, in seconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Preparation {
+    /// Time in which the scene was translated to what devices read; 0 where somebody has done so before.
+    pub translate_seconds: f64,
+    /// Time in which the scene went to the device.
+    pub upload_seconds: f64,
+    /// Time in which the driver compiled kernels since the device was opened: on several threads, and beside the rest.
+    pub compile_seconds: f64,
+    /// Time for which all else waited for kernels.
+    pub compile_wait_seconds: f64,
 }
 
 /// Reasons why a render cannot begin.
@@ -119,7 +139,12 @@ impl Rendering {
     /// fails.
     pub fn begin(scene: &Scene, device: &dyn Device, request: RenderRequest) -> Result<Self, RenderError> {
         check_films(scene.render.width, scene.render.height, request.films_beside(scene.render.alpha))?;
-        Self::load(scene, DeviceScene::new(scene)?, device, request)
+        let start = Instant::now();
+        let device_scene = DeviceScene::new(scene)?;
+        let translate_seconds = start.elapsed().as_secs_f64();
+        let mut rendering = Self::load(scene, device_scene, device, request)?;
+        rendering.preparation.translate_seconds = translate_seconds;
+        Ok(rendering)
     }
 
     /// Begins as [`Rendering::begin`] does, with what `scene` has been translated to.
@@ -142,7 +167,10 @@ impl Rendering {
         device: &dyn Device,
         request: RenderRequest,
     ) -> Result<Self, RenderError> {
+        device.compile_ahead(&device_scene, &request.films(scene.render.alpha));
+        let start = Instant::now();
         let session = device.load(&device_scene)?;
+        let upload_seconds = start.elapsed().as_secs_f64();
         let mut renderer = Renderer::new(session, &device_scene, request.stop.samples(&scene.render));
         if let Some(noise) = request.stop.noise {
             renderer.set_noise(noise.into());
@@ -157,6 +185,7 @@ impl Rendering {
             safety: Safety::default(),
             resumed: None,
             spent: 0.0,
+            preparation: Preparation { upload_seconds, ..Preparation::default() },
             is_done: false,
             warnings: vec![],
         };
@@ -176,7 +205,9 @@ impl Rendering {
     ) -> Result<(), RenderError> {
         self.check_memory(scene)?;
         self.scene = device_scene;
+        let start = Instant::now();
         self.restart(scene)?;
+        self.preparation = Preparation { upload_seconds: start.elapsed().as_secs_f64(), ..Preparation::default() };
         self.request.checkpoints = checkpoints;
         self.keep_checkpoints()
     }
@@ -215,13 +246,34 @@ impl Rendering {
         self.renderer.samples()
     }
 
-    /// Makes ready what sampling needs. [`Rendering::run`] does so too, but whoever calls this first can tell the user why
-    /// it takes a while: drivers compile kernels.
+    /// Makes ready what sampling needs, as [`Rendering::sample`] does first: drivers compile kernels, and `observer` hears of it
+    /// where that is not over yet. The time counts for no limit.
     ///
     /// # Errors
     /// A [`DeviceError`] when the device fails.
-    pub fn prepare(&mut self) -> Result<(), DeviceError> {
-        self.renderer.session().prepare()
+    pub fn prepare(&mut self, observer: &mut dyn Observer) -> Result<(), DeviceError> {
+        if self.renderer.finished() {
+            return Ok(());
+        }
+        let session = self.renderer.session();
+        if session.is_prepared() {
+            return session.prepare();
+        }
+        let start = Instant::now();
+        observer.begin(Phase::Compiling);
+        let prepared = std::thread::scope(|scope| {
+            let (done, wait) = channel::<()>();
+            let thread = scope.spawn(move || {
+                let _done = done;
+                session.prepare()
+            });
+            while wait.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
+                observer.compiling(start.elapsed().as_secs_f64());
+            }
+            thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        });
+        self.preparation.compile_wait_seconds += start.elapsed().as_secs_f64();
+        prepared
     }
 
     /// Means of the samples that there are, three floats a pixel, for CUDA on the same device, without a way through the host;
@@ -329,7 +381,19 @@ impl Rendering {
         let (keeper, unsaved) = (self.keeper.take(), Some((label, state)));
         let picture = self.finish(film, &progress, &mut failure, observer);
         let (shapes, triangles) = (self.scene.shapes(), self.scene.triangles());
-        Ok(Rendered { picture, progress, finished, failure, checkpoint, shapes, triangles, keeper, unsaved })
+        let preparation = self.preparation;
+        Ok(Rendered {
+            picture,
+            progress,
+            preparation,
+            finished,
+            failure,
+            checkpoint,
+            shapes,
+            triangles,
+            keeper,
+            unsaved,
+        })
     }
 
     /// Makes the picture of a film that others have sampled in `seconds` and that was found at `path`, with layers and guides
@@ -362,6 +426,7 @@ impl Rendering {
         Ok(Rendered {
             picture,
             progress,
+            preparation: self.preparation,
             finished,
             failure,
             checkpoint,
@@ -388,6 +453,7 @@ impl Rendering {
                 Err(error) => *failure = self.overcome(error, observer).err(),
             }
         }
+        self.preparation.compile_seconds = self.renderer.session().compile_time().as_secs_f64();
         let film = if coverage.is_some() { film.with_coverage(coverage) } else { film };
         self.picture(film, features)
     }
@@ -399,17 +465,29 @@ impl Rendering {
     /// A [`DeviceError`] when the device fails.
     pub fn sample(&mut self, observer: &mut dyn Observer) -> Result<(), DeviceError> {
         std::mem::take(&mut self.warnings).iter().for_each(|warning| observer.warn(warning));
-        observer.begin(Phase::Sampling);
         self.is_done = false;
         self.begin_safely()?;
         if let Some(keeper) = &mut self.keeper {
             keeper.begin(self.renderer.progress().samples);
         }
-        // Whoever goes on has spent some of the time already.
-        let (start, before) = (Instant::now(), self.spent);
-        let clock = || before + start.elapsed().as_secs_f64();
-        while let Err(error) = self.sample_on(&clock, observer) {
-            self.overcome(error, observer)?;
+        // Whoever goes on has spent some of the time already, and what the driver compiles takes none of it.
+        let (start, before, compiling) = (Instant::now(), self.spent, Cell::new(Duration::ZERO));
+        let clock = || before + (start.elapsed() - compiling.get()).as_secs_f64();
+        loop {
+            let begun = Instant::now();
+            let prepared = match self.prepare(observer) {
+                Err(error) if error.is_out_of_memory() => self.prepare(observer),
+                prepared => prepared,
+            };
+            compiling.set(compiling.get() + begun.elapsed());
+            let sampled = prepared.and_then(|()| {
+                observer.begin(Phase::Sampling);
+                self.sample_on(&clock, observer)
+            });
+            match sampled {
+                Ok(()) => break,
+                Err(error) => self.overcome(error, observer)?,
+            }
         }
         // What follows is not to be stopped by who has stopped this.
         self.stop_flag().store(false, Ordering::Relaxed);

@@ -47,6 +47,14 @@ impl RenderRequest {
         wanted
     }
 
+    /// Features whose films are sampled, each once; with `alpha`, coverage is one of them.
+    pub(crate) fn films(&self, alpha: bool) -> Vec<Feature> {
+        let mut films = vec![Feature::Radiance];
+        films.extend(alpha.then_some(Feature::Coverage));
+        films.extend(self.features());
+        films
+    }
+
     /// Number of films beside that of the picture whose memory layers, guides and, with `alpha`, coverage take.
     pub(crate) fn films_beside(&self, alpha: bool) -> u64 {
         // What a denoiser works in is about as large as two films.
@@ -82,6 +90,8 @@ impl Stop {
 choice! {
     /// Phase of a render.
     pub enum Phase: "phase" {
+        /// The driver compiles the kernels that sampling takes.
+        Compiling = "compiling",
         /// Rays are traced for the picture.
         Sampling = "sampling",
         /// Rays are traced for its layers, and for what guides the denoiser.
@@ -100,6 +110,9 @@ pub trait Observer {
 
     /// Hears of a phase that begins.
     fn begin(&mut self, _phase: Phase) {}
+
+    /// Hears a few times a second for how many `seconds` the render has waited for kernels.
+    fn compiling(&mut self, _seconds: f64) {}
 
     /// Hears of a checkpoint that has been written.
     fn saved(&mut self, _checkpoint: &Path) {}

@@ -1,6 +1,7 @@
 //! Translation, portions of work, and pictures on disk.
 
 mod checkpoints;
+mod compiling;
 mod faults;
 mod film;
 mod group;

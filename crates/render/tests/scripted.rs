@@ -11,6 +11,14 @@ use raggio_render::{
 pub trait Script: Send {
     fn show(&mut self, _feature: Feature) {}
 
+    fn prepare(&mut self) -> Result<(), DeviceError> {
+        Ok(())
+    }
+
+    fn is_prepared(&self) -> bool {
+        true
+    }
+
     fn add_samples(&mut self, rows: Range<u32>, samples: Range<u32>) -> Result<(), DeviceError>;
 
     /// Error of reading the film, if there is one.
@@ -41,6 +49,14 @@ impl<S: Script> Session for Scripted<S> {
     ) -> Result<u32, DeviceError> {
         let count = rows.len() as u32;
         self.script.add_samples(rows, samples).map(|()| count)
+    }
+
+    fn prepare(&mut self) -> Result<(), DeviceError> {
+        self.script.prepare()
+    }
+
+    fn is_prepared(&self) -> bool {
+        self.script.is_prepared()
     }
 
     fn set_film(&mut self, _: &Film) -> Result<(), DeviceError> {

@@ -30,6 +30,8 @@ pub struct Notice {
 pub enum Kind {
     /// Success of a command; goes by itself.
     Done,
+    /// Work that goes on, for which the picture waits; goes when it is over.
+    Ongoing,
     /// Warning of something that may not be meant; stays until it is dismissed.
     Warning,
     /// Warning of the scene; stays as long as it is true, unless it is dismissed.
@@ -54,6 +56,12 @@ impl Notices {
     /// Reports that something was done.
     pub fn done(&mut self, text: impl Into<String>) {
         self.say(Kind::Done, text.into());
+    }
+
+    /// Reports work for which the picture waits, as long as it goes on; `None`: there is none.
+    pub fn ongoing(&mut self, what: Option<&str>) {
+        self.all.retain(|notice| notice.kind != Kind::Ongoing);
+        what.into_iter().for_each(|what| self.say(Kind::Ongoing, what.into()));
     }
 
     /// Warns of something that may not be meant.
@@ -136,6 +144,18 @@ mod tests {
 
     fn texts(notices: &mut Notices) -> Vec<String> {
         notices.current().iter().map(|notice| notice.text.clone()).collect()
+    }
+
+    #[test]
+    fn what_goes_on_is_told_until_it_is_over() {
+        let mut notices = Notices::default();
+        notices.ongoing(Some("compiling kernels"));
+        notices.done("wrote a.png");
+        notices.ongoing(Some("compiling kernels"));
+        assert_eq!(texts(&mut notices), ["wrote a.png", "compiling kernels"]);
+        notices.ongoing(None);
+        assert_eq!(texts(&mut notices), ["wrote a.png"]);
+        assert_eq!(notices.failures(), Vec::<String>::new());
     }
 
     #[test]

@@ -55,14 +55,14 @@ pub fn notices(ui: &Ui, room: Rect, viewer: &mut Viewer) {
         ui.set_max_width((room.width() - 24.0).clamp(120.0, 620.0));
         for (index, notice) in viewer.notices.current().iter().enumerate() {
             let color = match notice.kind {
-                Kind::Done => Color32::from_rgb(0xd8, 0xd8, 0xd4),
+                Kind::Done | Kind::Ongoing => Color32::from_rgb(0xd8, 0xd8, 0xd4),
                 Kind::Warning | Kind::Scene => Color32::from_rgb(0xff, 0xd0, 0x70),
                 Kind::Error | Kind::Fault => Color32::from_rgb(0xff, 0x90, 0x80),
             };
             ui.set_opacity(notice.opacity());
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.horizontal(|ui| {
-                    if notice.kind != Kind::Done && ui.small_button("x").clicked() {
+                    if !matches!(notice.kind, Kind::Done | Kind::Ongoing) && ui.small_button("x").clicked() {
                         dismissed = Some(index);
                     }
                     ui.add(egui::Label::new(RichText::new(&notice.text).color(color)).wrap());

@@ -124,6 +124,9 @@ impl Stage {
         let size = size.map(|side| side.max(SMALLEST));
         let canvas = canvas(&opener, &*device, surface, size)?;
         let mut viewer = Viewer::new(document, device, size, wake)?;
+        if player.is_some() {
+            viewer.tracer.set_impatient();
+        }
         viewer.outputs.clone_from(&options.outputs);
         if let Some(folder) = &options.watch_kernels {
             viewer.watch_kernels(folder)?;

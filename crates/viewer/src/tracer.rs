@@ -20,6 +20,8 @@ const SHORT_PATH: u32 = 3;
 /// Seconds that a frame may take to show another view: its first surfaces are quick to find, and the film of radiance
 /// is worth more than a coarser film for the view would be.
 const GLANCE: f64 = 1.0;
+/// Longest time without a frame while kernels are compiled.
+const MOMENT: Duration = Duration::from_millis(30);
 /// Most samples that a pixel takes, as in scene files.
 pub const MOST_SAMPLES: u32 = i32::MAX as u32;
 
@@ -46,6 +48,10 @@ pub struct Tracer {
     fresh: bool,
     shown: Option<Display>,
     samples_per_pass: Option<u32>,
+    /// Whether frames go on while a driver compiles kernels; scripts rather wait.
+    is_patient: bool,
+    /// Whether the last frame went without samples, for there are no kernels yet.
+    awaits_kernels: bool,
     reference: Option<Image>,
     /// Size of the film that the device has the reference for, in pixels.
     reference_size: [u32; 2],
@@ -84,6 +90,7 @@ impl Tracer {
         scene.render.alpha = false;
         [scene.render.width, scene.render.height] = full;
         let device_scene = DeviceScene::new(&scene)?;
+        device.compile_ahead(&device_scene, &[Feature::Radiance]);
         let session = device.load(&device_scene)?;
         let renderer = Renderer::new(session, &device_scene, 0..MOST_SAMPLES);
         let tracer = Self {
@@ -101,6 +108,8 @@ impl Tracer {
             fresh: false,
             shown: None,
             samples_per_pass: None,
+            is_patient: true,
+            awaits_kernels: false,
             reference: None,
             reference_size: [0, 0],
             rays: Rays::default(),
@@ -116,6 +125,7 @@ impl Tracer {
 
     /// Traces on `device` from now on.
     pub fn set_device(&mut self, device: Box<dyn Device>) -> Result<(), ViewError> {
+        device.compile_ahead(&self.device_scene, &[Feature::Radiance]);
         let session = device.load(&self.device_scene)?;
         let feature = self.renderer.feature();
         self.renderer = Renderer::new(session, &self.device_scene, 0..self.target());
@@ -214,10 +224,27 @@ impl Tracer {
         self.renderer.set_samples_per_pass(samples);
     }
 
+    /// Makes frames wait for kernels that a driver compiles, so that each of them has samples.
+    pub fn set_impatient(&mut self) {
+        self.is_patient = false;
+    }
+
+    /// Whether there are no samples because a driver compiles kernels.
+    pub fn awaits_kernels(&self) -> bool {
+        self.awaits_kernels
+    }
+
     /// Spends about `seconds` on samples. A film that is new gets a whole sample, whatever time that takes: each change
-    /// is to be seen before the next one.
+    /// is to be seen before the next one. Frames go on without samples while a driver compiles kernels.
     pub fn trace(&mut self, seconds: f64) -> Result<(), ViewError> {
         let start = Instant::now();
+        let session = self.renderer.session();
+        self.awaits_kernels = self.is_patient && !session.is_prepared();
+        if self.awaits_kernels {
+            session.prepare_ahead()?;
+            std::thread::sleep(Duration::from_secs_f64(seconds).min(MOMENT));
+            return Ok(());
+        }
         if self.settle(seconds)? {
             self.add_one_sample(|tracer| tracer.catch_up(seconds))?;
         } else if self.awaited {

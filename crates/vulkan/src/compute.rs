@@ -4,6 +4,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use crate::buffer::Buffer;
+use crate::cache::PipelineCache;
 use crate::device::Device;
 use crate::error::{During, VulkanError};
 
@@ -103,8 +104,17 @@ impl Module {
     }
 
     /// Makes the pipeline of the entry point `name`, whose specialization constant is `constant`, if it has one: number 0
-    /// or 1.
-    pub fn pipeline(self: &Arc<Self>, name: &str, constant: u32) -> Result<Pipeline, VulkanError> {
+    /// or 1. What `cache` has is not compiled again, and what is compiled is in it then. Several threads may do so at once.
+    ///
+    /// # Panics
+    /// If the cache is another device's.
+    pub fn pipeline(
+        self: &Arc<Self>,
+        name: &str,
+        constant: u32,
+        cache: Option<&PipelineCache>,
+    ) -> Result<Pipeline, VulkanError> {
+        assert!(cache.is_none_or(|cache| Arc::ptr_eq(&cache.device, &self.device)), "the cache is this device's");
         let entry = CString::new(name).unwrap_or_default();
         let constant = constant.to_ne_bytes();
         let places = [0, 1].map(|id| vk::SpecializationMapEntry::default().constant_id(id).size(constant.len()));
@@ -116,8 +126,10 @@ impl Module {
             .specialization_info(&constants);
         let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(self.layout)];
         self.device.attempt("vkCreateComputePipelines")?;
-        // SAFETY: module and layout belong to this device and outlive the pipeline.
-        let created = unsafe { self.device.raw.create_compute_pipelines(vk::PipelineCache::null(), &info, None) };
+        let cache = cache.map_or(vk::PipelineCache::null(), |cache| cache.raw);
+        // SAFETY: module, layout and cache belong to this device; the first two outlive the pipeline. Drivers lock the cache
+        // by themselves.
+        let created = unsafe { self.device.raw.create_compute_pipelines(cache, &info, None) };
         let raw = created.map_err(|(_, result)| match result {
             // What drivers answer that cannot compile a kernel.
             vk::Result::ERROR_UNKNOWN

@@ -6,6 +6,7 @@ use ash::{ext, khr, vk};
 #[cfg(feature = "window")]
 use raw_window_handle::RawDisplayHandle;
 
+use crate::cache::Compiler;
 use crate::error::{During, VulkanError};
 
 /// Number of storage buffers that a kernel may bind at once on any device that counts as fit.
@@ -47,6 +48,7 @@ pub struct PhysicalDevice {
     pub(crate) queue_family: u32,
     pub(crate) limits: vk::PhysicalDeviceLimits,
     pub(crate) max_buffer_size: u64,
+    pub(crate) compiler: Compiler,
     /// Place in the driver's list: the N of `vulkan:N`.
     pub index: usize,
     /// Name of the device.
@@ -73,6 +75,11 @@ impl PhysicalDevice {
     /// Connection to the loader through which the device was found.
     pub fn instance(&self) -> &Arc<Instance> {
         &self.instance
+    }
+
+    /// Device and driver, as far as what the driver compiles depends on them.
+    pub fn compiler(&self) -> Compiler {
+        self.compiler
     }
 
     /// What the device lacks to run the kernels; it can if there is nothing.
@@ -219,6 +226,7 @@ impl Instance {
             queue_family: queue_family.unwrap_or(0) as u32,
             limits: properties.limits,
             max_buffer_size: maintenance.max_memory_allocation_size,
+            compiler: Compiler::of(&properties),
             index,
             name: text(properties.device_name_as_c_str()),
             driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str()))

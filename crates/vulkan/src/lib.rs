@@ -5,6 +5,7 @@
 //! Everything is released by `Drop`, in the right order, because each part keeps alive what it was made from.
 
 mod buffer;
+mod cache;
 #[cfg(feature = "window")]
 mod canvas;
 mod compute;
@@ -24,6 +25,7 @@ mod surface;
 mod transfer;
 
 pub use buffer::{Buffer, Location};
+pub use cache::{Compiler, PipelineCache};
 #[cfg(feature = "window")]
 pub use canvas::{Area, Canvas, Overlay, Picture, Pixels, Shown};
 pub use compute::{BindingSet, Module, Pipeline, SetLayout};

@@ -3,9 +3,16 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+/// The program, which keeps nothing in the user's own folders.
+pub fn program() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_raggio"));
+    command.env("RAGGIO_NO_CACHE", "1");
+    command
+}
+
 /// Runs the program in `folder`, on the CPU unless the arguments say otherwise.
 pub fn raggio(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_raggio")).args(arguments).current_dir(folder).output().expect("raggio starts")
+    program().args(arguments).current_dir(folder).output().expect("raggio starts")
 }
 
 /// Path of a file of the project.

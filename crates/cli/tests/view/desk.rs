@@ -7,7 +7,7 @@ use std::sync::Mutex;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-use crate::common::text;
+use crate::common::{program, text};
 
 /// Lock that a running program holds: two at once on a small machine would only measure each other.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
@@ -46,7 +46,7 @@ impl Desk {
     /// Starts `raggio view scene.toml` for hands to play with.
     pub fn open(&self, arguments: &[&str], display: Option<&Screen>) -> Run {
         let lock = ONE_AT_A_TIME.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        let mut command = Command::new(env!("CARGO_BIN_EXE_raggio"));
+        let mut command = program();
         command.args(["view", "scene.toml"]).args(arguments);
         command.current_dir(self.folder()).env("RAGGIO_VALIDATE", "1");
         command.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").env_remove("DISPLAY");

@@ -1,8 +1,8 @@
 //! Refusals: a sentence says what cannot be done.
 
-use std::process::{Command, Output};
+use std::process::Output;
 
-use crate::common::{assert_refused, folder_with, raggio, text};
+use crate::common::{assert_refused, folder_with, program, raggio, text};
 use crate::view::SCENE;
 use crate::view::desk::{Screen, can_draw};
 
@@ -10,7 +10,7 @@ use crate::view::desk::{Screen, can_draw};
 fn view(arguments: &[&str], variables: &[(&str, &str)]) -> Output {
     let folder = folder_with(SCENE);
     std::fs::write(folder.path().join("wrong.play"), "wait 1 frames\n\nfly away").expect("a script");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_raggio"));
+    let mut command = program();
     command.args(["view", "scene.toml"]).args(arguments).current_dir(folder.path());
     command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
     command.envs(variables.iter().copied()).output().expect("raggio starts")

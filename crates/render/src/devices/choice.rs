@@ -1,6 +1,7 @@
 //! Devices of this machine, and the choice among them.
 
 use std::fmt;
+use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
 
@@ -136,6 +137,11 @@ pub struct OpenOptions {
     pub validate: bool,
     /// A connection to Vulkan that exists already, such as a window's; it has its own validation.
     pub instance: Option<Arc<Instance>>,
+    /// Folder in which compiled kernels are kept from one start of a program to the next, such as [`cache_folder`]'s; `None`:
+    /// drivers compile them each time.
+    ///
+    /// [`cache_folder`]: crate::cache_folder
+    pub cache: Option<PathBuf>,
 }
 
 impl OpenOptions {
@@ -206,8 +212,11 @@ fn usable_gpus(options: &OpenOptions, warn: impl Fn(&str)) -> Result<impl Iterat
     };
     physical.retain(|gpu| matches!(gpu.kind, DeviceKind::Discrete | DeviceKind::Integrated));
     physical.sort_by_key(|gpu| gpu.kind != DeviceKind::Discrete);
+    let cache = options.cache.clone();
     let open = move |gpu: PhysicalDevice| {
-        VulkanDevice::new(&gpu).map_err(|error| warn(&format!("{} is not used: {error}", gpu.name))).ok()
+        VulkanDevice::new(&gpu, cache.as_deref())
+            .map_err(|error| warn(&format!("{} is not used: {error}", gpu.name)))
+            .ok()
     };
     Ok(physical.into_iter().filter_map(open))
 }
@@ -235,7 +244,7 @@ fn open_vulkan(number: Option<usize>, options: &OpenOptions) -> Result<VulkanDev
             None => "no Vulkan device of this machine can run the kernels: `raggio devices` says why".into(),
         })
     })?;
-    VulkanDevice::new(chosen)
+    VulkanDevice::new(chosen, options.cache.as_deref())
 }
 
 #[cfg(test)]

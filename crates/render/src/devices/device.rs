@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::sync::Arc;
+use std::time::Duration;
 
 use raggio_kernels::{BrokenScene, EntryPoint, Feature, FilmPixel, Probe};
 use raggio_scene::Integrator;
@@ -28,6 +29,10 @@ pub trait Device: Send + Sync {
     fn vulkan(&self) -> Option<Arc<raggio_vulkan::Device>> {
         None
     }
+
+    /// Has threads make ready what sampling the films of `features` of `scene` will take, where that takes a while: drivers
+    /// compile kernels. Returns at once, and says nothing of errors: whoever needs it hears of them.
+    fn compile_ahead(&self, _scene: &DeviceScene, _features: &[Feature]) {}
 
     /// Makes `scene` resident, with an empty film. A device that was lost is opened again.
     ///
@@ -69,6 +74,22 @@ pub trait Session: Send {
     /// Makes ready what [`Session::add_samples`] needs, which takes a while where a driver compiles kernels.
     fn prepare(&mut self) -> Result<(), DeviceError> {
         Ok(())
+    }
+
+    /// Whether [`Session::prepare`] returns at once.
+    fn is_prepared(&self) -> bool {
+        true
+    }
+
+    /// Begins on threads, or ends, what [`Session::prepare`] does, to be called until [`Session::is_prepared`]. Only drivers that
+    /// compile kernels no sooner than these run have it take a while.
+    fn prepare_ahead(&mut self) -> Result<(), DeviceError> {
+        Ok(())
+    }
+
+    /// Time in which a driver compiled kernels since the device was opened.
+    fn compile_time(&self) -> Duration {
+        Duration::ZERO
     }
 
     /// Lets those of `blocks` rest that are marked so: their radiance takes no more samples. `None`: no block rests.

@@ -1,7 +1,7 @@
 //! Several devices that share a picture.
 
 use std::ops::Range;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use raggio_kernels::{Feature, FilmPixel, Probe};
 
@@ -35,6 +35,10 @@ impl Device for DeviceGroup {
 
     fn validation_messages(&self) -> Vec<String> {
         self.devices.iter().flat_map(|device| device.validation_messages()).collect()
+    }
+
+    fn compile_ahead(&self, scene: &DeviceScene, features: &[Feature]) {
+        self.devices.iter().for_each(|device| device.compile_ahead(scene, features));
     }
 
     fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
@@ -175,6 +179,18 @@ impl Session for GroupSession {
 
     fn prepare(&mut self) -> Result<(), DeviceError> {
         at_once(&mut self.members, |member| member.session.prepare()).map(|_| ())
+    }
+
+    fn is_prepared(&self) -> bool {
+        self.members.iter().all(|member| member.session.is_prepared())
+    }
+
+    fn prepare_ahead(&mut self) -> Result<(), DeviceError> {
+        self.sessions().try_for_each(|session| session.prepare_ahead())
+    }
+
+    fn compile_time(&self) -> Duration {
+        self.members.iter().map(|member| member.session.compile_time()).max().unwrap_or_default()
     }
 
     fn add_samples_until(

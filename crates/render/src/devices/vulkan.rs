@@ -1,9 +1,10 @@
 //! A Vulkan device.
 
 use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::Duration;
 
 use raggio_kernels::{
     BufferBytes, EntryPoint, FILM_BINDING, Feature, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, RESTING_BINDING,
@@ -19,6 +20,7 @@ use raggio_vulkan::{CudaMemory, ExportedBuffer};
 use crate::devices::adaptive::Blocks;
 use crate::devices::device::{Answer, Device, DeviceError, Question, Session, sampling};
 use crate::devices::films::Films;
+use crate::devices::pipelines::{Ahead, Place, Store};
 use crate::pictures::display::{Display, Pixels, reference_pixels};
 use crate::pictures::film::Film;
 use crate::pictures::linear_image::Image;
@@ -48,6 +50,9 @@ pub struct VulkanDevice {
 /// A device, which is opened again where it was lost.
 struct Hardware {
     kernels: Mutex<Arc<Kernels>>,
+    /// Folder in which compiled kernels are kept.
+    cache: Option<PathBuf>,
+    ahead: Ahead,
 }
 
 /// Device and kernels, which all sessions share.
@@ -56,6 +61,7 @@ struct Kernels {
     spirv: Spirv,
     /// Kernels of each variant, in the order of `Variant::ALL`.
     compiled: [Compiled; Variant::ALL.len()],
+    store: Store,
 }
 
 /// The kernels of a variant, each compiled when it is first needed.
@@ -63,28 +69,39 @@ struct Kernels {
 struct Compiled {
     module: OnceLock<Arc<Module>>,
     /// Pipelines by entry point and, if that is the probe, by probe.
-    pipelines: Mutex<HashMap<(EntryPoint, u32), Arc<Pipeline>>>,
+    pipelines: Mutex<HashMap<(EntryPoint, u32), Arc<Place>>>,
 }
 
 impl VulkanDevice {
-    /// Opens `physical` and compiles the kernels for it.
+    /// Opens `physical`. Compiled kernels are kept in `cache`, a folder that need not be there yet.
     ///
     /// # Errors
     /// A [`DeviceError::Vulkan`] when the device cannot run the kernels, or a call of Vulkan fails.
-    pub fn new(physical: &PhysicalDevice) -> Result<Self, DeviceError> {
+    pub fn new(physical: &PhysicalDevice, cache: Option<&Path>) -> Result<Self, DeviceError> {
         if let Some(newer) = &physical.outdated {
             return Err(VulkanError::Unfit { name: physical.name.clone(), missing: newer.clone() }.into());
         }
-        Self::with_kernels(VulkanContext::new(physical)?, &SPIRV)
+        let device = Self::with_cache(VulkanContext::new(physical)?, &SPIRV, cache)?;
+        // A driver that refuses all kernels is refused at once. Others take seconds, and only scenes tell which are needed.
+        device.hardware.kernels().pipeline(EntryPoint::Display, Variant::SIMPLE)?;
+        Ok(device)
     }
 
-    /// Compiles other kernels of the same layout for an open device.
+    /// Compiles other kernels of the same layout for an open device; they are not kept.
     ///
     /// # Errors
     /// A [`DeviceError::Vulkan`] when the driver refuses the kernels.
     pub fn with_kernels(context: Arc<VulkanContext>, spirv: &Spirv) -> Result<Self, DeviceError> {
-        let kernels = Kernels::new(context, spirv)?;
-        Ok(Self { hardware: Arc::new(Hardware { kernels: Mutex::new(kernels) }) })
+        let device = Self::with_cache(context, spirv, None)?;
+        // Kernels that the driver refuses are refused at once, and nobody waits for them later.
+        device.hardware.kernels().pipeline(EntryPoint::Path, Variant::SIMPLE)?;
+        Ok(device)
+    }
+
+    fn with_cache(context: Arc<VulkanContext>, spirv: &Spirv, cache: Option<&Path>) -> Result<Self, DeviceError> {
+        let kernels = Mutex::new(Kernels::new(context, spirv, cache)?);
+        let cache = cache.map(Path::to_path_buf);
+        Ok(Self { hardware: Arc::new(Hardware { kernels, cache, ahead: Ahead::default() }) })
     }
 
     /// The open device, which windows share.
@@ -106,7 +123,7 @@ impl Hardware {
     fn renew(&self, lost: &Arc<Kernels>) -> Result<Arc<Kernels>, DeviceError> {
         let mut kernels = self.lock();
         if Arc::ptr_eq(&kernels, lost) {
-            *kernels = Kernels::new(lost.context.reopen()?, &lost.spirv)?;
+            *kernels = Kernels::new(lost.context.reopen()?, &lost.spirv, self.cache.as_deref())?;
         }
         Ok(kernels.clone())
     }
@@ -145,6 +162,19 @@ impl Device for VulkanDevice {
         Some(self.context())
     }
 
+    fn compile_ahead(&self, scene: &DeviceScene, features: &[Feature]) {
+        let kernels = self.hardware.kernels();
+        let (variant, clear) = (kernels.variant(&scene.buffers), clear(&scene.buffers));
+        let mut wanted: Vec<Kernel> = vec![];
+        for feature in features {
+            let kernel = Kernel::sampling(scene.settings.integrator, *feature, variant, clear);
+            if wanted.iter().all(|other| other.entry != kernel.entry) {
+                wanted.push(kernel);
+            }
+        }
+        kernels.compile_ahead(&self.hardware.ahead, wanted);
+    }
+
     fn load(&self, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
         scene.buffers.check()?;
         let kernels = self.hardware.kernels();
@@ -156,11 +186,9 @@ impl Device for VulkanDevice {
 }
 
 impl Kernels {
-    fn new(context: Arc<VulkanContext>, spirv: &Spirv) -> Result<Arc<Self>, DeviceError> {
-        let kernels = Self { context, spirv: spirv.clone(), compiled: Default::default() };
-        // Kernels that the driver refuses are refused at once, and nobody waits for them later.
-        kernels.pipeline(EntryPoint::Path, Variant::SIMPLE)?;
-        Ok(Arc::new(kernels))
+    fn new(context: Arc<VulkanContext>, spirv: &Spirv, cache: Option<&Path>) -> Result<Arc<Self>, DeviceError> {
+        let store = Store::new(&context, spirv, cache)?;
+        Ok(Arc::new(Self { context, spirv: spirv.clone(), compiled: Default::default(), store }))
     }
 
     /// The kernels of `variant` and their layout. Layouts of variants that are not wide are one layout to Vulkan.
@@ -178,18 +206,37 @@ impl Kernels {
     }
 
     fn pipeline(&self, entry: EntryPoint, variant: Variant) -> Result<Arc<Pipeline>, DeviceError> {
-        self.specialized(entry, 0, variant)
+        self.get(Kernel { entry, constant: 0, variant })
     }
 
-    fn specialized(&self, entry: EntryPoint, constant: u32, variant: Variant) -> Result<Arc<Pipeline>, DeviceError> {
+    fn get(&self, kernel: Kernel) -> Result<Arc<Pipeline>, DeviceError> {
+        self.place(kernel).get(|| self.compile(kernel))
+    }
+
+    fn compile(&self, Kernel { entry, constant, variant }: Kernel) -> Result<Pipeline, DeviceError> {
         let module = self.module(variant)?;
-        // The lock is held while a kernel compiles: whoever needs the same one waits for it.
-        let pipelines = &self.compiled[variant.index()].pipelines;
+        Ok(self.store.compile(|cache| module.pipeline(entry.name(), constant, cache))?)
+    }
+
+    fn place(&self, kernel: Kernel) -> Arc<Place> {
+        let pipelines = &self.compiled[kernel.variant.index()].pipelines;
         let mut pipelines = pipelines.lock().unwrap_or_else(PoisonError::into_inner);
-        Ok(match pipelines.entry((entry, constant)) {
-            Entry::Occupied(known) => known.get().clone(),
-            Entry::Vacant(place) => place.insert(Arc::new(module.pipeline(entry.name(), constant)?)).clone(),
-        })
+        pipelines.entry((kernel.entry, kernel.constant)).or_default().clone()
+    }
+
+    /// Has threads compile those of `wanted` that nobody has compiled. Their errors are for who needs them.
+    fn compile_ahead(self: &Arc<Self>, ahead: &Ahead, wanted: impl IntoIterator<Item = Kernel>) {
+        for kernel in wanted.into_iter().filter(|kernel| self.place(*kernel).is_idle()) {
+            let kernels = self.clone();
+            ahead.spawn(move || kernels.place(kernel).fill(|| kernels.compile(kernel)));
+        }
+    }
+
+    /// Variant of the kernels that trace `scene`.
+    fn variant(&self, scene: &SceneBuffers) -> Variant {
+        let limit = self.context.max_binding_bytes();
+        let is_long = |list: &BufferBytes| list.bytes.len() as u64 > limit;
+        Variant { simple: scene.is_simple(), wide: self.context.has_addresses() && scene.bytes().iter().any(is_long) }
     }
 
     /// Descriptor set of what kernels write, and read besides the scene.
@@ -214,14 +261,9 @@ impl Kernels {
             Ok((binding, kept.map_or_else(upload, Ok)?))
         });
         let buffers: Vec<_> = buffers.collect::<Result<_, DeviceError>>()?;
-        let limit = self.context.max_binding_bytes();
-        let variant = Variant {
-            simple: scene.is_simple(),
-            wide: self.context.has_addresses() && buffers.iter().any(|(_, buffer)| buffer.size() > limit),
-        };
+        let variant = self.variant(scene);
         let set = self.module(variant)?.bind(SCENE_SET, &buffers)?;
-        let clear = scene.counts.first().map_or(0, |counts| counts.clear);
-        Ok(Resident { scene: scene.clone(), buffers, variant, clear, set })
+        Ok(Resident { scene: scene.clone(), buffers, variant, clear: clear(scene), set })
     }
 
     /// An empty film, in bands.
@@ -267,6 +309,28 @@ impl Kernels {
     }
 }
 
+/// 1 if light may pass some of the sheets of `scene` straight.
+fn clear(scene: &SceneBuffers) -> u32 {
+    scene.counts.first().map_or(0, |counts| counts.clear)
+}
+
+/// Kernel of a variant, with its specialization constant.
+#[derive(Clone, Copy)]
+struct Kernel {
+    entry: EntryPoint,
+    constant: u32,
+    variant: Variant,
+}
+
+impl Kernel {
+    /// Kernel that adds samples to the film of `feature`, of scenes with these properties.
+    fn sampling(integrator: Integrator, feature: Feature, variant: Variant, clear: u32) -> Self {
+        let entry = sampling(integrator, feature);
+        let constant = if entry == EntryPoint::Inspect { 0 } else { clear };
+        Self { entry, constant, variant }
+    }
+}
+
 /// A scene on the device.
 struct Resident {
     scene: SceneBuffers,
@@ -276,13 +340,6 @@ struct Resident {
     /// 1 if light may pass some of its sheets straight.
     clear: u32,
     set: BindingSet,
-}
-
-impl Resident {
-    /// Constant of the pipelines that add samples.
-    fn constant(&self, entry: EntryPoint) -> u32 {
-        if entry == EntryPoint::Inspect { 0 } else { self.clear }
-    }
 }
 
 /// A run of rows of the film, in a buffer of its own.
@@ -312,6 +369,14 @@ struct VulkanSession {
     output: Option<Output>,
 }
 
+impl VulkanSession {
+    /// Kernel that adds samples to the film that is shown.
+    fn sampling(&self) -> Kernel {
+        let Resident { variant, clear, .. } = self.resident;
+        Kernel::sampling(self.integrator, self.films.feature(), variant, clear)
+    }
+}
+
 impl Session for VulkanSession {
     fn show(&mut self, feature: Feature) -> Result<(), DeviceError> {
         if feature != self.films.feature() {
@@ -321,8 +386,36 @@ impl Session for VulkanSession {
     }
 
     fn prepare(&mut self) -> Result<(), DeviceError> {
-        let entry = sampling(self.integrator, self.films.feature());
-        self.kernels.specialized(entry, self.resident.constant(entry), self.resident.variant).map(|_| ())
+        let kernel = self.sampling();
+        let (kernels, pipeline) = (&self.kernels, self.kernels.get(kernel)?);
+        kernels.place(kernel).warm_up(|| {
+            let work = Work { rows: 0, samples: 0, ..self.work };
+            let sets = [&self.films.shown()[0].set, &self.resident.set];
+            let run = || {
+                let groups = [1; 3];
+                kernels.context.run(|passes| passes.compute(&pipeline, &sets, bytemuck::bytes_of(&work), groups))
+            };
+            Ok(kernels.store.compile(|_| run())?)
+        })
+    }
+
+    fn is_prepared(&self) -> bool {
+        let place = self.kernels.place(self.sampling());
+        place.is_filled() && place.has_run()
+    }
+
+    fn prepare_ahead(&mut self) -> Result<(), DeviceError> {
+        let kernel = self.sampling();
+        if self.kernels.place(kernel).is_filled() {
+            return self.prepare();
+        }
+        let display = Kernel { entry: EntryPoint::Display, constant: 0, variant: Variant::SIMPLE };
+        self.kernels.compile_ahead(&self.hardware.ahead, [kernel, display]);
+        Ok(())
+    }
+
+    fn compile_time(&self) -> Duration {
+        self.kernels.store.time()
     }
 
     fn add_samples_until(
@@ -333,8 +426,8 @@ impl Session for VulkanSession {
     ) -> Result<u32, DeviceError> {
         // Nothing stops a dispatch: it is as short as the renderer makes it.
         let feature = self.films.feature();
-        let entry = sampling(self.integrator, feature);
-        let pipeline = self.kernels.specialized(entry, self.resident.constant(entry), self.resident.variant)?;
+        let kernel = self.sampling();
+        let pipeline = self.kernels.get(kernel)?;
         for band in self.films.shown() {
             let first = rows.start.max(band.rows.start);
             let end = rows.end.min(band.rows.end);
@@ -351,7 +444,7 @@ impl Session for VulkanSession {
                 filter: feature.filter(self.work.filter),
                 ..self.work
             };
-            let groups = entry.groups(&work);
+            let groups = kernel.entry.groups(&work);
             let sets = [&band.set, &self.resident.set];
             let added = self.kernels.context.run(|passes| {
                 passes.compute(&pipeline, &sets, bytemuck::bytes_of(&work), groups);
@@ -491,7 +584,7 @@ impl Session for VulkanSession {
         let groups = EntryPoint::Probe.groups(&work);
         let Variant { simple, wide } = self.resident.variant;
         let variant = Variant { simple: simple && !probe.is_full(), wide };
-        let pipeline = self.kernels.specialized(EntryPoint::Probe, probe as u32, variant)?;
+        let pipeline = self.kernels.get(Kernel { entry: EntryPoint::Probe, constant: probe as u32, variant })?;
         context.run(|passes| passes.compute(&pipeline, &sets, bytemuck::bytes_of(&work), groups))?;
         Ok(bytemuck::allocation::pod_collect_to_vec(&output.read()?))
     }

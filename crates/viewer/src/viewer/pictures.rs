@@ -43,6 +43,7 @@ impl Viewer {
             }
         };
         self.clock.sampled(start.elapsed().as_secs_f64(), budget);
+        self.notices.ongoing(self.tracer.awaits_kernels().then_some("compiling kernels"));
         outcome
     }
 
