@@ -264,7 +264,7 @@ class _Options:
     seed: int | None
     max_depth: int | None
     alpha: bool | None
-    time: float | None
+    time: float | None = None
 
     def __post_init__(self) -> None:
         if self.size is not None:

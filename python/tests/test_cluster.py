@@ -180,6 +180,16 @@ def test_scenes_in_memory(machines: Machines) -> None:
     assert np.array_equal(on(machines, scene, 16), alone(scene, 16))
 
 
+def test_moments(machines: Machines, tmp_path) -> None:
+    """The scene moves to the moment that is asked for, and stays as it is here."""
+    machines.at_least(1)
+    (tmp_path / "moving.toml").write_text(ANIMATED)
+    scene = rg.load(tmp_path / "moving.toml")
+    image = on(machines, scene, 4, time=0.5)
+    assert np.array_equal(image, alone(scene, 4, time=0.5))
+    assert not np.array_equal(image, alone(scene, 4)) and scene.time is None
+
+
 def test_many_cameras(machines: Machines, scene: rg.Scene, tmp_path) -> None:
     machines.at_least(2)
     cameras = [rg.Camera.look_at((x, 1, 4), (0, 1, 0)) for x in range(7)]

@@ -381,7 +381,7 @@ impl Rendering {
         let (keeper, unsaved) = (self.keeper.take(), Some((label, state)));
         let picture = self.finish(film, &progress, &mut failure, observer);
         let (shapes, triangles) = (self.scene.shapes(), self.scene.triangles());
-        let preparation = self.preparation();
+        let preparation = self.preparation;
         Ok(Rendered {
             picture,
             progress,
@@ -426,7 +426,7 @@ impl Rendering {
         Ok(Rendered {
             picture,
             progress,
-            preparation: self.preparation(),
+            preparation: self.preparation,
             finished,
             failure,
             checkpoint,
@@ -435,12 +435,6 @@ impl Rendering {
             keeper: None,
             unsaved: None,
         })
-    }
-
-    /// Time that went by before the first sample, and in which kernels were compiled until now.
-    fn preparation(&mut self) -> Preparation {
-        let compile_seconds = self.renderer.session().compile_time().as_secs_f64();
-        Preparation { compile_seconds, ..self.preparation }
     }
 
     /// Adds to a film what belongs to its picture, unless the device has met a `failure` or meets one now.
@@ -459,6 +453,7 @@ impl Rendering {
                 Err(error) => *failure = self.overcome(error, observer).err(),
             }
         }
+        self.preparation.compile_seconds = self.renderer.session().compile_time().as_secs_f64();
         let film = if coverage.is_some() { film.with_coverage(coverage) } else { film };
         self.picture(film, features)
     }

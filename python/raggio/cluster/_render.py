@@ -39,6 +39,7 @@ def render(
     camera: Camera | None = None,
     *,
     address: str | None = None,
+    time: float | None = None,
     size: tuple[int, int] | None = None,
     samples: int | None = None,
     seed: int | None = None,
@@ -65,6 +66,7 @@ def render(
     camera: Iterable[Camera],
     *,
     address: str | None = None,
+    time: float | None = None,
     size: tuple[int, int] | None = None,
     samples: int | None = None,
     seed: int | None = None,
@@ -90,6 +92,7 @@ def render(
     camera: Camera | Iterable[Camera] | None = None,
     *,
     address: str | None = None,
+    time: float | None = None,
     size: tuple[int, int] | None = None,
     samples: int | None = None,
     seed: int | None = None,
@@ -138,6 +141,8 @@ def render(
     if resume and checkpoint is None:
         raise ValueError("resume goes on from a checkpoint: give checkpoint=")
     scene = scene.copy()
+    if time is not None:
+        scene.time = time
     for warning in scene._text.check():
         warnings.warn(warning, SceneWarning, stacklevel=2)
     one = camera if camera is None or isinstance(camera, Camera) else None
