@@ -50,10 +50,15 @@ template <class HolesOf>
 RAGGIO_INLINE void walkAll(
     const Traversal& traversal, const TracedRay* rays, TracedHit* hits, uint32_t count, const HolesOf& holesOf)
 {
-    if (count != 1) return walkInTurn(traversal, rays, hits, count, [&](const Way& way) { return holesOf(way.ray); });
-    auto holes = holesOf(*rays);
-    if (rays->any) walk<true>(traversal, *rays, holes, *hits);
-    else walk<false>(traversal, *rays, holes, *hits);
+    if (traversal.inTurn) {
+        walkInTurn(traversal, rays, hits, count, [&](const Way& way) { return holesOf(way.ray); });
+        return;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        auto holes = holesOf(rays[i]);
+        if (rays[i].any) walk<true>(traversal, rays[i], holes, hits[i]);
+        else walk<false>(traversal, rays[i], holes, hits[i]);
+    }
 }
 
 /// `walkAll` for a host that counts: out of the way of renders, which do not.

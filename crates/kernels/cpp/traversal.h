@@ -76,9 +76,10 @@ struct Traversal {
     const RectangleBlock* rectangles;
     const BoxBlock* boxes;
     uint64_t root;
-    /// Not 0 where what rays read is in no cache near by, so that it is asked for ahead.
-    uint64_t isFar;
+    /// Not 0 where rays that come together take turns: what they read is in no cache near by.
+    uint64_t inTurn;
 };
+static_assert(offsetof(Traversal, inTurn) == 8 * IN_TURN_WORD, "");
 
 // ---- Rays
 
@@ -686,10 +687,8 @@ RAGGIO_INLINE void walkInTurn(
         way.begin(all);
     };
     auto list = [&](Way& way) {
-        if (all.isFar) {
-            const char* place = (const char*)way.reads(all);
-            for (int line = 0; line < 4; line++) _mm_prefetch(place + 64 * line, _MM_HINT_T0);
-        }
+        const char* place = (const char*)way.reads(all);
+        for (int line = 0; line < 4; line++) _mm_prefetch(place + 64 * line, _MM_HINT_T0);
         uint32_t other = way.reference >> 31;
         inner[inners] = &way;
         others[rest] = &way;

@@ -108,14 +108,14 @@ public:
     /// The same, for a stage that takes what has been found ahead.
     Context& atFound(Context& context, uint32_t slot) {
         at(context, slot);
-        if (context.globals[TRAVERSAL_WORD]) context.ahead = {ahead[0] + slot, CAPACITY};
+        if (takeTurns(context.globals)) context.ahead = {ahead[0] + slot, CAPACITY};
         return context;
     }
 
     /// Follows the rays that the first `count` paths are about to ask for, more of them in turn than one vector has. The stage
     /// that asks need not find here what it asks for.
     RAGGIO_NOINLINE void followAhead(const uint64_t* globals, uint32_t count, raggio::Counts* counts) {
-        if (!globals[TRAVERSAL_WORD]) return;
+        if (!takeTurns(globals)) return;
         using namespace path_columns;
         raggio::TracedRay followed[2 * CAPACITY];
         raggio::TracedHit hits[2 * CAPACITY];
@@ -197,6 +197,12 @@ public:
     }
 
 private:
+    /// Whether rays take turns, so that they are faster the more there are of them.
+    static bool takeTurns(const uint64_t* globals) {
+        const uint64_t* traversal = (const uint64_t*)globals[TRAVERSAL_WORD];
+        return traversal && traversal[raggio::IN_TURN_WORD];
+    }
+
     /// `Status.Alive`.
     static constexpr uint32_t ALIVE = 1;
     /// `NO_RAY_ONWARD` of kernels/stages/state.slang.

@@ -160,10 +160,12 @@ include!(concat!(env!("OUT_DIR"), "/cpu_table.rs"));
 /// Way through the hierarchies. All find the same hits, bit for bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Walk {
-    /// Through nodes of eight children, where processor and scene have them: `cpp/traversal.h`. Rays that come together take
-    /// turns.
+    /// Through nodes of eight children, where processor and scene have them: `cpp/traversal.h`. In large scenes rays that
+    /// come together take turns, so that they wait for memory together.
     #[default]
     Wide,
+    /// Through nodes of eight children, in turn whatever the size of the scene.
+    InTurn,
     /// Through binary nodes, as on other devices: `kernels/tracing.slang`.
     Portable,
 }
@@ -250,7 +252,7 @@ impl CpuScene {
 
     /// `Traversal` of `cpp/traversal.h`, if rays walk through wide nodes.
     fn traversal(&self) -> Option<TraversalWords> {
-        Some(self.wide.as_ref()?.words(&self.buffers))
+        Some(self.wide.as_ref()?.words(&self.buffers, self.walk == Walk::InTurn))
     }
 
     /// Parameter block of the kernels: the address and length of each buffer, where the reflection puts them.

@@ -72,7 +72,7 @@ pub fn tonemap<'py>(
 ) -> PyResult<Bound<'py, PyArray3<u8>>> {
     let (image, display) = (image(&array)?, display(exposure, tone_mapper)?);
     let shape = [image.height as usize, image.width as usize, array.shape()[2]];
-    let bytes = guarded(py, || Ok(show_bytes(&image, display)))?;
+    let bytes = guarded(py, || on_threads(|| Ok(show_bytes(&image, display))))?;
     PyArray1::from_vec(py, bytes).reshape(shape)
 }
 
@@ -86,6 +86,6 @@ pub fn encode_png<'py>(
     tone_mapper: &str,
 ) -> PyResult<Bound<'py, PyBytes>> {
     let (image, display) = (image(&array)?, display(exposure, tone_mapper)?);
-    let bytes = guarded(py, || raggio_render::encode_png(&image, display).map_err(output_error))?;
+    let bytes = guarded(py, || on_threads(|| raggio_render::encode_png(&image, display).map_err(output_error)))?;
     Ok(PyBytes::new(py, &bytes))
 }

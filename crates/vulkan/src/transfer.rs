@@ -8,7 +8,7 @@ use crate::error::VulkanError;
 /// Most bytes that are on their way at once.
 const STAGING_BYTES: usize = 64 << 20;
 /// Most bytes on their way at once where memory is short.
-const SMALL_STAGING_BYTES: u64 = 1 << 20;
+const SMALL_STAGING_BYTES: usize = 1 << 20;
 
 impl Buffer {
     /// Makes a device buffer that holds `bytes`. `what` names it in errors.
@@ -50,24 +50,32 @@ impl Buffer {
     /// # Panics
     /// If the range reaches past the end.
     pub fn read_range(&self, range: Range<u64>) -> Result<Vec<u8>, VulkanError> {
-        match self.read_in_parts(range.clone(), STAGING_BYTES as u64) {
+        let mut bytes = vec![0; (range.end - range.start) as usize];
+        self.read_into(range.start, &mut bytes)?;
+        Ok(bytes)
+    }
+
+    /// Copies the buffer's bytes from `first` on to the host, as many as `to` has room for.
+    ///
+    /// # Panics
+    /// If there are not as many.
+    pub fn read_into(&self, first: u64, to: &mut [u8]) -> Result<(), VulkanError> {
+        match self.read_in_parts(first, to, STAGING_BYTES) {
             // What has been computed is worth a second try that takes less memory.
-            Err(VulkanError::OutOfMemory(_)) => self.read_in_parts(range, SMALL_STAGING_BYTES),
+            Err(VulkanError::OutOfMemory(_)) => self.read_in_parts(first, to, SMALL_STAGING_BYTES),
             read => read,
         }
     }
 
-    /// Reads as [`Buffer::read_range`] does, `part` bytes at a time.
-    fn read_in_parts(&self, range: Range<u64>, part: u64) -> Result<Vec<u8>, VulkanError> {
-        let size = range.end - range.start;
-        let staging = Self::new(&self.device, "staging for a read", size.min(part), Location::Readback)?;
-        let mut bytes = Vec::with_capacity(size as usize);
-        for first in range.clone().step_by(part as usize) {
-            let taken = first..range.end.min(first + part);
-            let length = (taken.end - taken.start) as usize;
-            self.device.run(|passes| passes.copy_range(self, taken, &staging, 0))?;
-            bytes.extend(&staging.mapped()[..length]);
+    /// Reads as [`Buffer::read_into`] does, `part` bytes at a time.
+    fn read_in_parts(&self, mut first: u64, to: &mut [u8], part: usize) -> Result<(), VulkanError> {
+        let staging = Self::new(&self.device, "staging for a read", to.len().min(part) as u64, Location::Readback)?;
+        for to in to.chunks_mut(part) {
+            let end = first + to.len() as u64;
+            self.device.run(|passes| passes.copy_range(self, first..end, &staging, 0))?;
+            to.copy_from_slice(&staging.mapped()[..to.len()]);
+            first = end;
         }
-        Ok(bytes)
+        Ok(())
     }
 }

@@ -15,7 +15,7 @@ use crate::determinism::scenes;
 use crate::shapes::meshes::{ball, soup};
 
 const SAMPLES: u32 = 4;
-const WALKS: [Walk; 2] = [Walk::Wide, Walk::Portable];
+const WALKS: [Walk; 3] = [Walk::Wide, Walk::InTurn, Walk::Portable];
 
 /// Hundreds of closed forms and instances of meshes side by side, some exactly where others are, some that let part of the
 /// light pass, glass within glass.
@@ -128,8 +128,9 @@ fn rays_find_the_same() {
         })
         .collect();
     let mut expected: Option<Vec<TracedHit>> = None;
-    // Rays take turns with those that are followed at once, and a single one goes its way alone.
-    for (walk, at_once) in [(Walk::Portable, rays.len()), (Walk::Wide, rays.len()), (Walk::Wide, 1), (Walk::Wide, 7)] {
+    // Rays take turns with those that are followed at once.
+    let all = rays.len();
+    for (walk, at_once) in [(Walk::Portable, all), (Walk::Wide, all), (Walk::InTurn, all), (Walk::InTurn, 7)] {
         for set in InstructionSet::available() {
             let scene = CpuScene::new(buffers.clone(), set, walk).expect("the scene is whole");
             let mut hits = vec![TracedHit::NOTHING; rays.len()];

@@ -82,8 +82,9 @@ impl WideScene {
         }
     }
 
-    /// `Traversal` of `cpp/traversal.h`. Its addresses are good as long as this scene and `buffers` are.
-    pub fn words(&self, buffers: &SceneBuffers) -> TraversalWords {
+    /// `Traversal` of `cpp/traversal.h`; rays take turns if `in_turn`, or where the scene is large. Its addresses are good as
+    /// long as this scene and `buffers` are.
+    pub fn words(&self, buffers: &SceneBuffers, in_turn: bool) -> TraversalWords {
         let Blocks { instances, spheres, rectangles, boxes } = &self.blocks;
         [
             self.nodes.as_ptr() as u64,
@@ -94,7 +95,7 @@ impl WideScene {
             rectangles.as_ptr() as u64,
             boxes.as_ptr() as u64,
             u64::from(self.root),
-            u64::from(self.bytes_of_nodes() + size_of_val(&buffers.triangles[..]) > NEAR),
+            u64::from(in_turn || self.bytes_of_nodes() + size_of_val(&buffers.triangles[..]) > NEAR),
         ]
     }
 

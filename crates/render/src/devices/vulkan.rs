@@ -550,9 +550,12 @@ impl Session for VulkanSession {
     }
 
     fn film(&self) -> Result<Film, DeviceError> {
-        let mut pixels = Vec::with_capacity(self.work.width as usize * self.work.height as usize);
+        // Memory that the system gives zeroed is touched once, by the copy.
+        let width = self.work.width as usize;
+        let mut pixels = bytemuck::zeroed_vec::<FilmPixel>(width * self.work.height as usize);
         for band in self.films.shown() {
-            pixels.extend(bytemuck::allocation::pod_collect_to_vec::<u8, FilmPixel>(&band.film.read()?));
+            let rows = band.rows.start as usize * width..band.rows.end as usize * width;
+            band.film.read_into(0, bytemuck::cast_slice_mut(&mut pixels[rows]))?;
         }
         Ok(Film::from_pixels(self.work.width, self.work.height, pixels))
     }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use raggio_kernels::cpu::{Buffers, InstructionSet, dispatch};
 use raggio_kernels::{Comparison, EntryPoint, FilmPixel, Probe, ToneMapper, View, Work};
 use raggio_vulkan::Buffer;
+use rayon::prelude::*;
 
 use crate::pictures::film::Film;
 use crate::pictures::linear_image::Image;
@@ -136,15 +137,15 @@ pub fn show_image(image: &Image, display: Display) -> Pixels {
     Pixels::Host(displayed(&Film::from_image(image), Display { view: View::Radiance, ..display }))
 }
 
-/// Runs the display kernel over a whole film, some rows at a time to keep the copies small.
+/// Runs the display kernel over a whole film, some rows at a time to keep the copies small, on all threads.
 pub(crate) fn displayed(film: &Film, display: Display) -> Vec<u32> {
     const ROWS: usize = 64;
     let set = InstructionSet::best().unwrap_or(InstructionSet::Baseline);
     let tile = ROWS * film.width() as usize;
     let mut output = vec![0; film.pixels().len()];
-    for (pixels, output) in film.pixels().chunks(tile).zip(output.chunks_mut(tile)) {
+    film.pixels().par_chunks(tile).zip(output.par_chunks_mut(tile)).for_each(|(pixels, output)| {
         display_rows(&mut pixels.to_vec(), &[], film.width(), display, set, output);
-    }
+    });
     output
 }
 
@@ -159,8 +160,8 @@ pub(crate) fn displayed_16_bits(film: &Film, display: Display) -> Vec<[u16; 3]> 
     let set = InstructionSet::best().unwrap_or(InstructionSet::Baseline);
     let brightening = display.exposure.exp2();
     let radiance = film.mean().pixels;
-    let mut output = Vec::with_capacity(radiance.len());
-    for pixels in radiance.chunks(PIXELS) {
+    let mut output = vec![[0; 3]; radiance.len()];
+    radiance.par_chunks(PIXELS).zip(output.par_chunks_mut(PIXELS)).for_each(|(pixels, output)| {
         let question = |pixel: &[f32; 3]| {
             let [r, g, b] = pixel.map(|channel| channel * brightening);
             [[r, g, b, display.tone_mapper as u32 as f32], [0.0; 4], [0.0; 4]]
@@ -170,10 +171,11 @@ pub(crate) fn displayed_16_bits(film: &Film, display: Display) -> Vec<[u16; 3]> 
         let work = Work { probe: Probe::ToneMap as u32, count: questions.len() as u32, ..Work::default() };
         let buffers = Buffers { output: &mut answers, input: questions.as_flattened(), ..Buffers::default() };
         dispatch(set, EntryPoint::Probe, None, &work, buffers);
-        output.extend(answers.chunks_exact(12).map(|answer| {
-            [0, 1, 2].map(|channel| (srgb_encode(f32::from_bits(answer[channel]).into()) * 65535.0).round() as u16)
-        }));
-    }
+        for (answer, output) in answers.chunks_exact(12).zip(output) {
+            let steps = |channel: usize| (srgb_encode(f32::from_bits(answer[channel]).into()) * 65535.0).round() as u16;
+            *output = [0, 1, 2].map(steps);
+        }
+    });
     output
 }
 
