@@ -33,7 +33,9 @@ pub enum VulkanError {
         missing: String,
     },
     /// The driver fails to compile a kernel.
-    #[error("{name}'s driver, {driver}, cannot compile the kernels ({result}): a newer one may, and `--device cpu` needs none")]
+    #[error(
+        "{name}'s driver, {driver}, cannot compile the kernels ({result}): a newer one may, and `--device cpu` needs none"
+    )]
     Kernels {
         /// Name of the device.
         name: String,
