@@ -212,7 +212,7 @@ fn gather(python: &Python, order: &Value, pixels: u64, listener: &mut Listener) 
     (summary, outcome.err())
 }
 
-/// What is told of frames under way.
+/// News of frames under way.
 pub enum Told {
     /// A line for the user.
     Words(String),

@@ -22,7 +22,7 @@ struct Context {
     /// Columns of `Ahead` beside these; none where nothing is found ahead.
     Columns ahead;
 
-    /// What the host has counted, or null.
+    /// Counts of the host, or null.
     raggio::Counts* counts() const { return (raggio::Counts*)globals[COUNTS_WORD]; }
 
     explicit Context(const uint64_t* globals)

@@ -56,9 +56,9 @@ struct StageCounts {
     }
 };
 
-/// What is counted where the host asks for it: `Counts` of src/cpu/counts.rs.
+/// Work that is counted where the host asks for it: `Counts` of src/cpu/counts.rs.
 struct Counts {
-    /// What rays that walk are tested against: nodes of eight children, blocks of up to four triangles, blocks of up to four
+    /// Tests of rays that walk: against nodes of eight children, blocks of up to four triangles, blocks of up to four
     /// closed forms.
     uint64_t nodes;
     uint64_t triangleBlocks;

@@ -527,7 +527,7 @@ RAGGIO_INLINE void walk(const Traversal& all, const TracedRay& ray, const Holes&
 // Rays that are on their way together hide one another's waits for memory, and, as far as no branch depends on what a ray
 // meets, one another's arithmetic. So they go in two lists: those that are at a node, and those that are at anything else.
 
-/// Below what waits in a mesh, and below all that waits.
+/// Ends below what waits in a mesh, and below all that waits.
 constexpr uint32_t MESH_ENDS = 0xfffffffeu, RAY_ENDS = 0xffffffffu;
 
 /// The largest numbers first (a bitonic network).
@@ -561,9 +561,9 @@ struct alignas(64) Way {
     const InstanceRecord* instance;
     /// Place of the ray among all.
     uint32_t number;
-    /// Where the ray is.
+    /// Place of the ray: a node, a leaf or an end.
     uint32_t reference;
-    /// What waits, the nearest on top: the distances at which the ray enters it, and references.
+    /// Distances at which the ray enters what waits, the nearest on top, and references.
     uint32_t top;
     alignas(32) float distances[STACK + 16];
     alignas(32) uint32_t references[STACK + 16];
@@ -622,7 +622,7 @@ struct alignas(64) Way {
         reference = references[top];
     }
 
-    /// What the next step reads.
+    /// Memory that the next step reads.
     RAGGIO_INLINE const void* reads(const Traversal& all) const {
         if (!(reference & LEAF)) return nodes + (size_t(reference) << 8);
         return instance ? all.triangles + instance->firstTriangle + (reference & PLACE) : nullptr;

@@ -105,7 +105,7 @@ public:
         return context;
     }
 
-    /// The same, for a stage that takes what has been found ahead.
+    /// Context at `slot` for the stage that takes what has been found ahead.
     Context& atFound(Context& context, uint32_t slot) {
         at(context, slot);
         if (takeTurns(context.globals)) context.ahead = {ahead[0] + slot, CAPACITY};
@@ -133,8 +133,7 @@ public:
         };
         for (uint32_t slot = 0; slot < count; slot++) {
             follow(slot, ONWARD, !(bits(flags, slot) & NO_RAY_ONWARD), ray, key, __builtin_inff(), false);
-            bool lights = words[shadowValue][slot] > 0 || words[shadowValue + 1][slot] > 0 || words[shadowValue + 2][slot] > 0;
-            follow(slot, SHADOW, lights, shadowRay, shadowKey, words[shadowDistance][slot], bits(mediaCount, slot) == 0);
+            follow(slot, SHADOW, hasShadowRay(slot), shadowRay, shadowKey, words[shadowDistance][slot], bits(mediaCount, slot) == 0);
         }
         if (counts) counts->walk.add(number);
         RAGGIO_OF_LEVEL(raggio_walk_)(globals, followed, hits, number);
@@ -150,12 +149,7 @@ public:
     /// Counts the paths of the vector at `slot`, of which the first `count` may be under way, and their shadow rays.
     RAGGIO_NOINLINE void count(raggio::Counts& counts, uint32_t slot, uint32_t count) const {
         uint32_t paths = count < LANES ? count : LANES, shadows = 0;
-        for (uint32_t i = slot; i < slot + paths; i++)
-            for (uint32_t color = 0; color < 3; color++)
-                if (words[path_columns::shadowValue + color][i] > 0) {
-                    shadows++;
-                    break;
-                }
+        for (uint32_t i = slot; i < slot + paths; i++) shadows += hasShadowRay(i);
         counts.find.add(paths);
         counts.shadow.add(shadows);
     }
@@ -207,6 +201,11 @@ private:
     static constexpr uint32_t ALIVE = 1;
     /// `NO_RAY_ONWARD` of kernels/stages/state.slang.
     static constexpr uint32_t NO_RAY_ONWARD = 64;
+
+    bool hasShadowRay(uint32_t slot) const {
+        const auto value = &words[path_columns::shadowValue];
+        return value[0][slot] > 0 || value[1][slot] > 0 || value[2][slot] > 0;
+    }
 
     uint32_t bits(uint32_t column, uint32_t slot) const {
         uint32_t x;

@@ -283,7 +283,7 @@ pub struct Buffers<'a> {
     pub input: &'a [[f32; 4]],
     /// A bit for each block of the image; see `kernels/buffers.slang`.
     pub resting: &'a [u32],
-    /// What the path tracer has counted so far, if it is to count: that takes a little time.
+    /// Counts of the path tracer so far, if it is to count: that takes a little time.
     pub counts: Option<&'a mut Counts>,
 }
 

@@ -1,4 +1,4 @@
-//! What kernels count of their own work, for those who measure it without a clock.
+//! Counts that kernels keep of their own work, for those who measure it without a clock.
 
 use std::ops::AddAssign;
 
@@ -20,7 +20,7 @@ impl StageCounts {
     }
 }
 
-/// What the path tracer has done: `Counts` of `cpp/rays.h`. It depends on scene and work alone, but for the stages, which
+/// Work that the path tracer has done: `Counts` of `cpp/rays.h`. It depends on scene and work alone, but for the stages, which
 /// depend on the number of lanes too.
 ///
 /// Single paths have no stages, and rays in binary nodes and those that try all shapes meet no nodes of eight children.
