@@ -378,22 +378,8 @@ impl Rendering {
                 film.rejected(),
             ));
         }
-        let (keeper, unsaved) = (self.keeper.take(), Some((label, state)));
-        let picture = self.finish(film, &progress, &mut failure, observer);
-        let (shapes, triangles) = (self.scene.shapes(), self.scene.triangles());
-        let preparation = self.preparation;
-        Ok(Rendered {
-            picture,
-            progress,
-            preparation,
-            finished,
-            failure,
-            checkpoint,
-            shapes,
-            triangles,
-            keeper,
-            unsaved,
-        })
+        let rendered = self.finish(film, progress, finished, failure, checkpoint, observer);
+        Ok(Rendered { keeper: self.keeper.take(), unsaved: Some((label, state)), ..rendered })
     }
 
     /// Makes the picture of a film that others have sampled in `seconds` and that was found at `path`, with layers and guides
@@ -419,43 +405,41 @@ impl Rendering {
             noise: None,
             seconds,
         };
-        let mut failure = None;
-        let picture = self.finish(film, &progress, &mut failure, observer);
-        let (shapes, triangles) = (self.scene.shapes(), self.scene.triangles());
-        let checkpoint = Some(path.to_owned());
-        Ok(Rendered {
-            picture,
-            progress,
-            preparation: self.preparation,
-            finished,
-            failure,
-            checkpoint,
-            shapes,
-            triangles,
-            keeper: None,
-            unsaved: None,
-        })
+        Ok(self.finish(film, progress, finished, None, Some(path.to_owned()), observer))
     }
 
     /// Adds to a film what belongs to its picture, unless the device has met a `failure` or meets one now.
     fn finish(
         &mut self,
         film: Film,
-        progress: &Progress,
-        failure: &mut Option<DeviceError>,
+        progress: Progress,
+        finished: bool,
+        mut failure: Option<DeviceError>,
+        checkpoint: Option<PathBuf>,
         observer: &mut dyn Observer,
-    ) -> Picture {
+    ) -> Rendered {
         let mut features = None;
         let mut coverage = None;
         while failure.is_none() && features.is_none() {
-            match self.features(observer, &film, progress) {
+            match self.features(observer, &film, &progress) {
                 Ok(found) => (features, coverage) = (Some(found.0), found.1),
-                Err(error) => *failure = self.overcome(error, observer).err(),
+                Err(error) => failure = self.overcome(error, observer).err(),
             }
         }
         self.preparation.compile_seconds = self.renderer.session().compile_time().as_secs_f64();
         let film = if coverage.is_some() { film.with_coverage(coverage) } else { film };
-        self.picture(film, features)
+        Rendered {
+            picture: self.picture(film, features),
+            progress,
+            preparation: self.preparation,
+            finished,
+            failure,
+            checkpoint,
+            shapes: self.scene.shapes(),
+            triangles: self.scene.triangles(),
+            keeper: None,
+            unsaved: None,
+        }
     }
 
     /// Takes samples until there are enough, in number or by the clock, or `observer` breaks off. A device that is lost is
