@@ -96,7 +96,8 @@ pub fn vulkan() -> Option<&'static dyn Device> {
 
 /// Opens the best Vulkan device once more, for tests that change it.
 pub fn open_vulkan() -> Option<Box<dyn Device>> {
-    match open(DeviceChoice::Vulkan(None), OpenOptions { validate: true, ..OpenOptions::default() }, |_| ()) {
+    let options = OpenOptions { validate: true, general_in_software: true, ..OpenOptions::default() };
+    match open(DeviceChoice::Vulkan(None), options, |_| ()) {
         Ok(device) => Some(device),
         Err(error) => {
             lacks(&format!("Vulkan cannot be used: {error}"));

@@ -320,6 +320,7 @@ fn open_options(threads: Option<u32>) -> OpenOptions {
         validate: std::env::var_os("RAGGIO_VALIDATE").is_some_and(|value| value == "1"),
         instance: None,
         cache: raggio_render::cache_folder(),
+        ..OpenOptions::default()
     }
 }
 

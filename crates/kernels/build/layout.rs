@@ -149,6 +149,9 @@ struct Types {
 impl Types {
     /// Writes the structure `kind` and those it contains, once each.
     fn collect(&mut self, kind: &Value) -> Result<(), String> {
+        if kind["kind"] == "array" {
+            return self.collect(&kind["elementType"]);
+        }
         if kind["kind"] != "struct" {
             return Ok(());
         }

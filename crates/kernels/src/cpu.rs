@@ -14,7 +14,7 @@ use wide::{TraversalWords, WideScene};
 
 use crate::{
     BLOCK, BrokenScene, Comparison, EntryPoint, FILM_WORD, FilmPixel, INPUT_WORD, OUTPUT_WORD, PixelFilter, Probe,
-    RESTING_WORD, SCENE_WORD, SCENE_WORDS, SceneBuffers, ShapeKind, ShapeReference, WORK_WORD, Work,
+    RESTING_WORD, SCENE_WORD, SCENE_WORDS, SceneBuffers, WORK_WORD, Work,
 };
 
 /// Levels of instruction set that kernels are compiled for; all give the same bits.
@@ -198,12 +198,7 @@ impl CpuScene {
 
     /// Chooses which shapes rays try one by one, and makes what the wide walk reads.
     fn widen(&mut self) {
-        let few = self.buffers.order.len() <= FEW_SHAPES;
-        let instance = |shape: &ShapeReference| shape.kind == ShapeKind::Instance as u32;
-        let tries_all = self.walk != Walk::Portable && few && !self.buffers.order.iter().any(instance);
-        if tries_all {
-            Arc::make_mut(&mut self.buffers.counts)[0].tried = self.buffers.order.len() as u32;
-        }
+        let tries_all = self.walk != Walk::Portable && self.buffers.try_all(FEW_SHAPES);
         // Rays that try all shapes walk through no hierarchy.
         let is_built = self.walks_wide && !tries_all;
         self.wide = if is_built { WideScene::new(&self.buffers, self.wide.as_ref()) } else { None };
@@ -220,7 +215,7 @@ impl CpuScene {
 
     /// Number of shapes that rays try one by one.
     pub fn tried(&self) -> u32 {
-        self.buffers.counts[0].tried
+        self.buffers.constants().counts.tried
     }
 
     /// Bytes of all that kernels read of the scene.

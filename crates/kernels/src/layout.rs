@@ -1,6 +1,7 @@
 //! Generated twins of the kernels' structures; their sizes and offsets are asserted as they are compiled.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Bytes of one buffer of [`SceneBuffers`].
 #[derive(Clone, Copy, Debug)]
@@ -24,9 +25,9 @@ impl BufferBytes<'_> {
 
 /// Names of the lists over meshes, as [`BufferBytes::name`] gives them.
 const MESH_BUFFERS: [&str; 5] = ["mesh_nodes", "triangles", "triangle_materials", "meshes", "attributes"];
-/// Names of the lists in which one view of a scene differs from another; `check_counts` looks at all that can be wrong
-/// there, and `check_motion`.
-const VIEW_BUFFERS: [&str; 6] = ["camera", "camera_media", "counts", "filter_table", "motion", "motion_rows"];
+/// Names of the lists in which one view of a scene differs from another; `check_counts` and
+/// `check_motion` look at all that can be wrong there but the sky.
+const VIEW_BUFFERS: [&str; 4] = ["constants", "filter_table", "motion", "motion_rows"];
 
 pub use generated::*;
 
@@ -61,23 +62,40 @@ impl BvhChild {
     /// `first` if `count` is 0. `first` is below 2^30 and `count` below 4.
     pub fn new([lower, upper]: [[f32; 3]; 2], first: u32, count: u32) -> Self {
         let group = f32::from_bits(first | count << GROUP_SHIFT);
-        Self { lower: [lower[0], lower[1], lower[2], group], upper: [upper[0], upper[1], upper[2], 0.0] }
+        let [x, y, z]: [f32; 3] = std::array::from_fn(|i| 0.5 * lower[i] + 0.5 * upper[i]);
+        let half = |i: usize, center: f32| {
+            let center = f64::from(center);
+            at_least((f64::from(upper[i]) - center).max(center - f64::from(lower[i])))
+        };
+        Self { center: [x, y, z, group], half_size: [half(0, x), half(1, y), half(2, z), 0.0] }
     }
 
-    /// Lower and upper corner of the child's box.
+    /// Lower and upper corner of the child's box; that which it was made of lies within.
     pub fn corners(&self) -> [[f32; 3]; 2] {
-        [self.lower, self.upper].map(|[x, y, z, _]| [x, y, z])
+        let corner = |sign: f64| {
+            std::array::from_fn(|i| {
+                let place = f64::from(self.center[i]) + sign * f64::from(self.half_size[i]);
+                (sign * f64::from(at_least(sign * place))) as f32
+            })
+        };
+        [corner(-1.0), corner(1.0)]
     }
 
     /// Place of the node in the child, or of the first of its leaves.
     pub fn first(&self) -> u32 {
-        self.lower[3].to_bits() & (MOST_IN_HIERARCHY - 1)
+        self.center[3].to_bits() & (MOST_IN_HIERARCHY - 1)
     }
 
     /// Number of the child's leaves; 0: a node is in it.
     pub fn count(&self) -> u32 {
-        self.lower[3].to_bits() >> GROUP_SHIFT
+        self.center[3].to_bits() >> GROUP_SHIFT
     }
+}
+
+/// The least float that is not below `x`.
+fn at_least(x: f64) -> f32 {
+    let near = x as f32;
+    if f64::from(near) < x { near.next_up() } else { near }
 }
 
 /// Most nodes, or leaves, that all hierarchies of a level may have together.
@@ -89,6 +107,43 @@ impl SceneBuffers {
         self.principled.is_empty() && self.lights.is_empty()
     }
 
+    /// Has every ray try all shapes one by one, if they are `few` at most and no meshes; false if it does not.
+    pub fn try_all(&mut self, few: usize) -> bool {
+        let is_instance = |shape: &ShapeReference| shape.kind == ShapeKind::Instance as u32;
+        let tries_all = self.order.len() <= few && !self.order.iter().any(is_instance);
+        if tries_all {
+            self.constants_mut().counts.tried = self.order.len() as u32;
+        }
+        tries_all
+    }
+
+    /// What the scene has one of.
+    ///
+    /// # Panics
+    /// If it is not there yet.
+    pub fn constants(&self) -> &Constants {
+        &self.constants[0]
+    }
+
+    /// The same, to be changed; it comes to be if it is not there yet.
+    pub fn constants_mut(&mut self) -> &mut Constants {
+        let constants = Arc::make_mut(&mut self.constants);
+        if constants.is_empty() {
+            constants.push(Constants::default());
+        }
+        &mut constants[0]
+    }
+
+    /// Whether this is another view of `scene` at most.
+    pub fn is_view_of(&self, scene: &Self) -> bool {
+        self.changes_from(scene).iter().all(|name| VIEW_BUFFERS.contains(name))
+    }
+
+    /// Names of the lists that are not those of `scene`.
+    fn changes_from(&self, scene: &Self) -> Vec<&'static str> {
+        self.bytes().iter().zip(scene.bytes()).filter(|(a, b)| !a.same(b)).map(|(a, _)| a.name).collect()
+    }
+
     /// Checks every index that a kernel follows, so that none can read outside its buffer.
     pub fn check(&self) -> Result<(), BrokenScene> {
         self.check_after(&Self::default())
@@ -98,13 +153,14 @@ impl SceneBuffers {
     /// at again, so that another view of a large scene is checked at once.
     pub fn check_after(&self, checked: &Self) -> Result<(), BrokenScene> {
         self.check_counts()?;
-        let changed: Vec<&str> =
-            self.bytes().iter().zip(checked.bytes()).filter(|(a, b)| !a.same(b)).map(|(a, _)| a.name).collect();
+        let changed = self.changes_from(checked);
         if changed.iter().any(|name| MESH_BUFFERS.contains(name)) {
             self.check_meshes()?;
         }
-        let same_places = checked.counts.first().is_some_and(|counts| counts.unbounded == self.counts[0].unbounded);
-        if same_places && changed.iter().all(|name| VIEW_BUFFERS.contains(name)) {
+        let (now, before) = (self.constants(), checked.constants.first());
+        let same_places = before.is_some_and(|before| before.counts.unbounded == now.counts.unbounded);
+        let same_sky = before.is_some_and(|before| before.sky == now.sky);
+        if same_places && same_sky && changed.iter().all(|name| VIEW_BUFFERS.contains(name)) {
             return self.check_motion();
         }
         self.check_textures()?;
@@ -145,7 +201,7 @@ impl SceneBuffers {
     }
 
     fn check_levels(&self) -> Result<(), BrokenScene> {
-        let leaves = self.counts[0].unbounded as usize..self.order.len();
+        let leaves = self.constants().counts.unbounded as usize..self.order.len();
         let levels = levels(&self.nodes, 0..self.nodes.len(), leaves)?;
         let below = self.meshes.iter().map(|mesh| mesh.levels).max().unwrap_or(0);
         // One child waits on each level, and a mark stands below those of each hierarchy.
@@ -156,14 +212,10 @@ impl SceneBuffers {
     }
 
     fn check_counts(&self) -> Result<(), BrokenScene> {
-        let [counts] = self.counts[..] else { return fail("`counts` must have one element") };
-        if self.camera.len() != 1 || self.sky.len() != 1 {
-            return fail("`camera` and `sky` must have one element");
-        }
-        if counts.shapes as usize != self.order.len()
-            || counts.nodes as usize != self.nodes.len()
-            || counts.camera_media as usize != self.camera_media.len()
-        {
+        let [Constants { counts, camera_media, .. }] = self.constants[..] else {
+            return fail("`constants` must have one element");
+        };
+        if counts.shapes as usize != self.order.len() || counts.nodes as usize != self.nodes.len() {
             return fail("`counts` disagrees with the buffers");
         }
         if ![0, FILTER_CELLS as usize + 1].contains(&self.filter_table.len()) {
@@ -179,13 +231,13 @@ impl SceneBuffers {
         if counts.nodes == 0 && counts.tried < counts.shapes {
             return fail("shapes are neither tried one by one nor in the hierarchy");
         }
-        if self.camera_media.len() > MAX_NESTED_MEDIA as usize {
+        let Some(around) = camera_media.get(..counts.camera_media as usize) else {
             return fail("more media around the camera than a path can remember");
-        }
+        };
         if self.albedos.len() != ALBEDO_NODES as usize {
             return fail("the tables of albedos have another size");
         }
-        if self.camera_media.iter().any(|medium| medium.shape as usize >= self.order.len()) {
+        if around.iter().any(|medium| medium.shape as usize >= self.order.len()) {
             return fail("a medium around the camera is no shape");
         }
         Ok(())
@@ -197,7 +249,7 @@ impl SceneBuffers {
         }
         let known =
             |material: &Material| material.principled == NONE || (material.principled as usize) < self.principled.len();
-        if !self.materials.iter().all(known) || self.counts[0].lights as usize != self.lights.len() {
+        if !self.materials.iter().all(known) || self.constants().counts.lights as usize != self.lights.len() {
             return fail("a material or a light is not there");
         }
         if !self.order.iter().all(|shape| (shape.index as usize) < self.shapes_of_kind(shape.kind)) {
@@ -233,7 +285,8 @@ impl SceneBuffers {
         if textures.filter(|texture| *texture != NO_TEXTURE).any(|texture| texture as usize >= self.textures.len()) {
             return fail("a material has a texture that is not there");
         }
-        if self.sky.iter().any(|sky| sky.image != NO_TEXTURE && sky.image as usize >= self.textures.len()) {
+        let image = self.constants().sky.image;
+        if image != NO_TEXTURE && image as usize >= self.textures.len() {
             return fail("the sky's image is not among the textures");
         }
         Ok(())
@@ -242,7 +295,7 @@ impl SceneBuffers {
     /// Checks that every emitter is what it says and has a leaf of the tree, and that from each node a way leads to the
     /// root.
     fn check_lights(&self) -> Result<(), BrokenScene> {
-        let [counts] = self.counts[..] else { return fail("`counts` must have one element") };
+        let counts = self.constants().counts;
         let (emitters, nodes) = (self.emitters.len(), self.light_nodes.len());
         if counts.emitters as usize != emitters || (2 * emitters).saturating_sub(1) != nodes {
             return fail("`counts` disagrees with the lights");
@@ -295,7 +348,7 @@ impl SceneBuffers {
 
     /// Whether the sky's image has its pyramid of sums.
     fn has_sky_sums(&self) -> bool {
-        let Some(image) = self.sky.first().and_then(|sky| self.textures.get(sky.image as usize)) else { return false };
+        let Some(image) = self.textures.get(self.constants().sky.image as usize) else { return false };
         let (mut across, mut down, mut blocks) = (image.width, image.height, 0);
         while blocks == 0 || across > 1 || down > 1 {
             (across, down) = (across.div_ceil(2), down.div_ceil(2));
@@ -387,8 +440,6 @@ fn fail<T>(what: &str) -> Result<T, BrokenScene> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
 
     /// Scene of one sphere below a hierarchy of these nodes, their children given as `first` and `count`.
@@ -396,23 +447,32 @@ mod tests {
         let child = |(first, count): (u32, u32)| BvhChild::new([[0.0; 3]; 2], first, count);
         let node = |&[left, right]: &[(u32, u32); 2]| BvhNode { left: child(left), right: child(right) };
         SceneBuffers {
-            camera: vec![Camera::default()].into(),
-            sky: vec![Sky { image: NO_TEXTURE, ..Sky::default() }].into(),
+            constants: vec![Constants {
+                sky: Sky { image: NO_TEXTURE, ..Sky::default() },
+                counts: SceneCounts {
+                    shapes: 1,
+                    nodes: nodes.len() as u32,
+                    sky_emitter: NONE,
+                    ..SceneCounts::default()
+                },
+                ..Constants::default()
+            }]
+            .into(),
             spheres: vec![Sphere::default()].into(),
             order: vec![ShapeReference { kind: ShapeKind::Sphere as u32, ..ShapeReference::default() }].into(),
             materials: vec![Material { principled: NONE, ..Material::default() }].into(),
             nodes: Arc::new(nodes.iter().map(node).collect()),
             albedos: vec![[0; 2]; ALBEDO_NODES as usize].into(),
             motion: vec![Motion::default()].into(),
-            counts: vec![SceneCounts {
-                shapes: 1,
-                nodes: nodes.len() as u32,
-                sky_emitter: NONE,
-                ..SceneCounts::default()
-            }]
-            .into(),
             ..SceneBuffers::default()
         }
+    }
+
+    /// Scene of one sphere below the image `image`.
+    fn with_sky(image: u32) -> SceneBuffers {
+        let mut scene = with_nodes(&[LEAF]);
+        scene.constants_mut().sky.image = image;
+        scene
     }
 
     const LEAF: [(u32, u32); 2] = [(0, 1), (0, 1)];
@@ -442,8 +502,15 @@ mod tests {
             order: vec![ShapeReference { kind: 99, ..ShapeReference::default() }].into(),
             ..tree()
         });
-        refused(SceneBuffers { camera_media: vec![CameraMedium { shape: 1, material: 0 }].into(), ..tree() });
-        refused(SceneBuffers { sky: vec![].into(), ..tree() });
+        let with = |constants: Constants| SceneBuffers { constants: vec![constants].into(), ..tree() };
+        let constants = *tree().constants();
+        assert_eq!(with(constants).check(), Ok(()));
+        let (mut around, counts) = (constants.camera_media, constants.counts);
+        around[0].shape = 1;
+        let inside = |camera_media| SceneCounts { camera_media, ..counts };
+        refused(with(Constants { camera_media: around, counts: inside(1), ..constants }));
+        refused(with(Constants { counts: inside(MAX_NESTED_MEDIA + 1), ..constants }));
+        refused(SceneBuffers { constants: vec![].into(), ..tree() });
         refused(SceneBuffers { albedos: vec![].into(), ..tree() });
         let instance = Instance { first_material: NONE, ..Instance::default() };
         refused(SceneBuffers { instances: vec![instance].into(), ..tree() });
@@ -467,8 +534,7 @@ mod tests {
         let with = |texture: Texture, texels: usize| SceneBuffers {
             textures: vec![texture].into(),
             texels: vec![0; texels].into(),
-            sky: vec![Sky { image: 0, ..Sky::default() }].into(),
-            ..with_nodes(&[LEAF])
+            ..with_sky(0)
         };
         assert_eq!(with(texture, 23).check(), Ok(()));
 
@@ -479,6 +545,6 @@ mod tests {
         refused(with(Texture { format: 99, ..texture }, 23));
         refused(with(Texture { first_word: u32::MAX, ..texture }, 23));
         refused(with(Texture { width: u32::MAX, height: u32::MAX, ..texture }, 23));
-        refused(SceneBuffers { sky: vec![Sky { image: 1, ..Sky::default() }].into(), ..with(texture, 23) });
+        refused(SceneBuffers { constants: with_sky(1).constants, ..with(texture, 23) });
     }
 }

@@ -24,7 +24,7 @@ fn assert_sound(scene: &Scene) {
     assert!(shapes.iter().copied().eq(0..scene.shapes.len() as u32), "every shape has one place");
 
     let mut covered = vec![false; buffers.order.len()];
-    covered[..buffers.counts[0].unbounded as usize].fill(true);
+    covered[..buffers.constants().counts.unbounded as usize].fill(true);
     for node in buffers.nodes.iter() {
         for child in children(node) {
             match child {

@@ -91,7 +91,8 @@ impl Tracer {
         [scene.render.width, scene.render.height] = full;
         let device_scene = DeviceScene::new(&scene)?;
         device.compile_ahead(&device_scene, &[Feature::Radiance]);
-        let session = device.load(&device_scene)?;
+        let mut session = device.load(&device_scene)?;
+        session.accept_general();
         let renderer = Renderer::new(session, &device_scene, 0..MOST_SAMPLES);
         let tracer = Self {
             device,
@@ -126,7 +127,8 @@ impl Tracer {
     /// Traces on `device` from now on.
     pub fn set_device(&mut self, device: Box<dyn Device>) -> Result<(), ViewError> {
         device.compile_ahead(&self.device_scene, &[Feature::Radiance]);
-        let session = device.load(&self.device_scene)?;
+        let mut session = device.load(&self.device_scene)?;
+        session.accept_general();
         let feature = self.renderer.feature();
         self.renderer = Renderer::new(session, &self.device_scene, 0..self.target());
         self.renderer.show(feature)?;

@@ -103,22 +103,22 @@ impl Module {
         self.sets.get(index as usize).map(|(layout, _)| layout)
     }
 
-    /// Makes the pipeline of the entry point `name`, whose specialization constant is `constant`, if it has one: number 0
-    /// or 1. What `cache` has is not compiled again, and what is compiled is in it then. Several threads may do so at once.
+    /// Makes the pipeline of the entry point `name`, whose specialization constants are `constants`, each at the place of
+    /// its number. What `cache` has is not compiled again, and what is compiled is in it then. Several threads may do so at once.
     ///
     /// # Panics
     /// If the cache is another device's.
     pub fn pipeline(
         self: &Arc<Self>,
         name: &str,
-        constant: u32,
+        constants: &[u32],
         cache: Option<&PipelineCache>,
     ) -> Result<Pipeline, VulkanError> {
         assert!(cache.is_none_or(|cache| Arc::ptr_eq(&cache.device, &self.device)), "the cache is this device's");
         let entry = CString::new(name).unwrap_or_default();
-        let constant = constant.to_ne_bytes();
-        let places = [0, 1].map(|id| vk::SpecializationMapEntry::default().constant_id(id).size(constant.len()));
-        let constants = vk::SpecializationInfo::default().map_entries(&places).data(&constant);
+        let place = |id: u32| vk::SpecializationMapEntry { constant_id: id, offset: 4 * id, size: 4 };
+        let places: Vec<_> = (0..constants.len() as u32).map(place).collect();
+        let constants = vk::SpecializationInfo::default().map_entries(&places).data(bytemuck::cast_slice(constants));
         let stage = vk::PipelineShaderStageCreateInfo::default()
             .stage(vk::ShaderStageFlags::COMPUTE)
             .module(self.shader)

@@ -47,7 +47,7 @@ impl WideScene {
     /// has more triangles than a reference can count, there are as many shapes, or one is of a kind that the wide walk does not
     /// know.
     pub fn new(buffers: &SceneBuffers, before: Option<&Self>) -> Option<Self> {
-        let bounded = &buffers.order[buffers.counts[0].unbounded as usize..];
+        let bounded = &buffers.order[buffers.constants().counts.unbounded as usize..];
         if !bounded.iter().all(|shape| Blocks::holds(shape.kind)) || buffers.order.len() > MOST_PLACES as usize {
             return None;
         }

@@ -142,6 +142,9 @@ pub struct OpenOptions {
     ///
     /// [`cache_folder`]: crate::cache_folder
     pub cache: Option<PathBuf>,
+    /// Whether software Vulkan has general kernels, compiled once for all scenes, instead of those that know what a scene has: for
+    /// who renders many small ones, such as tests.
+    pub general_in_software: bool,
 }
 
 impl OpenOptions {
@@ -214,7 +217,7 @@ fn usable_gpus(options: &OpenOptions, warn: impl Fn(&str)) -> Result<impl Iterat
     physical.sort_by_key(|gpu| gpu.kind != DeviceKind::Discrete);
     let cache = options.cache.clone();
     let open = move |gpu: PhysicalDevice| {
-        VulkanDevice::new(&gpu, cache.as_deref())
+        VulkanDevice::new(&gpu, cache.as_deref(), false)
             .map_err(|error| warn(&format!("{} is not used: {error}", gpu.name)))
             .ok()
     };
@@ -244,7 +247,7 @@ fn open_vulkan(number: Option<usize>, options: &OpenOptions) -> Result<VulkanDev
             None => "no Vulkan device of this machine can run the kernels: `raggio devices` says why".into(),
         })
     })?;
-    VulkanDevice::new(chosen, options.cache.as_deref())
+    VulkanDevice::new(chosen, options.cache.as_deref(), options.general_in_software)
 }
 
 #[cfg(test)]

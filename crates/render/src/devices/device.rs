@@ -87,6 +87,9 @@ pub trait Session: Send {
         Ok(())
     }
 
+    /// Lets kernels that know more than the scene has serve until those for the scene are compiled, so that edits need not wait.
+    fn accept_general(&mut self) {}
+
     /// Time in which a driver compiled kernels since the device was opened.
     fn compile_time(&self) -> Duration {
         Duration::ZERO

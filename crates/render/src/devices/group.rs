@@ -189,6 +189,10 @@ impl Session for GroupSession {
         self.sessions().try_for_each(|session| session.prepare_ahead())
     }
 
+    fn accept_general(&mut self) {
+        self.sessions().for_each(|session| session.accept_general());
+    }
+
     fn compile_time(&self) -> Duration {
         self.members.iter().map(|member| member.session.compile_time()).max().unwrap_or_default()
     }

@@ -8,11 +8,12 @@ use std::time::Duration;
 
 use raggio_kernels::{
     BufferBytes, EntryPoint, FILM_BINDING, Feature, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, RESTING_BINDING,
-    SCENE_BINDINGS, SCENE_SET, SPIRV, SceneBuffers, Spirv, Variant, Work,
+    SCENE_BINDINGS, SCENE_SET, SPIRV, SceneBuffers, Specialization, Spirv, Variant, Work,
 };
 use raggio_scene::Integrator;
 use raggio_vulkan::{
-    BindingSet, Buffer, Device as VulkanContext, Location, Module, PhysicalDevice, Pipeline, SetLayout, VulkanError,
+    BindingSet, Buffer, Device as VulkanContext, DeviceKind, Location, Module, PhysicalDevice, Pipeline, SetLayout,
+    VulkanError,
 };
 #[cfg(target_os = "linux")]
 use raggio_vulkan::{CudaMemory, ExportedBuffer};
@@ -62,26 +63,38 @@ struct Kernels {
     /// Kernels of each variant, in the order of `Variant::ALL`.
     compiled: [Compiled; Variant::ALL.len()],
     store: Store,
+    /// Whether kernels know all that scenes can have, instead of what a scene has.
+    general: bool,
 }
 
 /// The kernels of a variant, each compiled when it is first needed.
 #[derive(Default)]
 struct Compiled {
     module: OnceLock<Arc<Module>>,
-    /// Pipelines by entry point and, if that is the probe, by probe.
-    pipelines: Mutex<HashMap<(EntryPoint, u32), Arc<Place>>>,
+    /// Pipelines by entry point and by what they are specialised for.
+    pipelines: Mutex<HashMap<(EntryPoint, Specialization), Arc<Place>>>,
 }
 
 impl VulkanDevice {
-    /// Opens `physical`. Compiled kernels are kept in `cache`, a folder that need not be there yet.
+    /// Opens `physical`. Compiled kernels are kept in `cache`, a folder that need not be there yet; software has general ones if
+    /// `general_in_software`.
     ///
     /// # Errors
     /// A [`DeviceError::Vulkan`] when the device cannot run the kernels, or a call of Vulkan fails.
-    pub fn new(physical: &PhysicalDevice, cache: Option<&Path>) -> Result<Self, DeviceError> {
+    pub fn new(
+        physical: &PhysicalDevice,
+        cache: Option<&Path>,
+        general_in_software: bool,
+    ) -> Result<Self, DeviceError> {
         if let Some(newer) = &physical.outdated {
             return Err(VulkanError::Unfit { name: physical.name.clone(), missing: newer.clone() }.into());
         }
-        let device = Self::with_cache(VulkanContext::new(physical)?, &SPIRV, cache)?;
+        let device = Self::with_cache(
+            VulkanContext::new(physical)?,
+            &SPIRV,
+            cache,
+            general_in_software && physical.kind == DeviceKind::Software,
+        )?;
         // A driver that refuses all kernels is refused at once. Others take seconds, and only scenes tell which are needed.
         device.hardware.kernels().pipeline(EntryPoint::Display, Variant::SIMPLE)?;
         Ok(device)
@@ -92,14 +105,19 @@ impl VulkanDevice {
     /// # Errors
     /// A [`DeviceError::Vulkan`] when the driver refuses the kernels.
     pub fn with_kernels(context: Arc<VulkanContext>, spirv: &Spirv) -> Result<Self, DeviceError> {
-        let device = Self::with_cache(context, spirv, None)?;
+        let device = Self::with_cache(context, spirv, None, false)?;
         // Kernels that the driver refuses are refused at once, and nobody waits for them later.
         device.hardware.kernels().pipeline(EntryPoint::Path, Variant::SIMPLE)?;
         Ok(device)
     }
 
-    fn with_cache(context: Arc<VulkanContext>, spirv: &Spirv, cache: Option<&Path>) -> Result<Self, DeviceError> {
-        let kernels = Mutex::new(Kernels::new(context, spirv, cache)?);
+    fn with_cache(
+        context: Arc<VulkanContext>,
+        spirv: &Spirv,
+        cache: Option<&Path>,
+        general: bool,
+    ) -> Result<Self, DeviceError> {
+        let kernels = Mutex::new(Kernels::new(context, spirv, cache, general)?);
         let cache = cache.map(Path::to_path_buf);
         Ok(Self { hardware: Arc::new(Hardware { kernels, cache, ahead: Ahead::default() }) })
     }
@@ -123,7 +141,7 @@ impl Hardware {
     fn renew(&self, lost: &Arc<Kernels>) -> Result<Arc<Kernels>, DeviceError> {
         let mut kernels = self.lock();
         if Arc::ptr_eq(&kernels, lost) {
-            *kernels = Kernels::new(lost.context.reopen()?, &lost.spirv, self.cache.as_deref())?;
+            *kernels = Kernels::new(lost.context.reopen()?, &lost.spirv, self.cache.as_deref(), lost.general)?;
         }
         Ok(kernels.clone())
     }
@@ -143,6 +161,8 @@ impl Hardware {
             resting,
             reference: None,
             output: None,
+            accepts_general: false,
+            is_edited: false,
         }))
     }
 }
@@ -164,10 +184,11 @@ impl Device for VulkanDevice {
 
     fn compile_ahead(&self, scene: &DeviceScene, features: &[Feature]) {
         let kernels = self.hardware.kernels();
-        let (variant, clear) = (kernels.variant(&scene.buffers), clear(&scene.buffers));
+        let variant = kernels.variant(&scene.buffers);
+        let special = kernels.specialization(&as_tried(&scene.buffers));
         let mut wanted: Vec<Kernel> = vec![];
         for feature in features {
-            let kernel = Kernel::sampling(scene.settings.integrator, *feature, variant, clear);
+            let kernel = Kernel::sampling(scene.settings.integrator, *feature, variant, special);
             if wanted.iter().all(|other| other.entry != kernel.entry) {
                 wanted.push(kernel);
             }
@@ -186,9 +207,14 @@ impl Device for VulkanDevice {
 }
 
 impl Kernels {
-    fn new(context: Arc<VulkanContext>, spirv: &Spirv, cache: Option<&Path>) -> Result<Arc<Self>, DeviceError> {
+    fn new(
+        context: Arc<VulkanContext>,
+        spirv: &Spirv,
+        cache: Option<&Path>,
+        general: bool,
+    ) -> Result<Arc<Self>, DeviceError> {
         let store = Store::new(&context, spirv, cache)?;
-        Ok(Arc::new(Self { context, spirv: spirv.clone(), compiled: Default::default(), store }))
+        Ok(Arc::new(Self { context, spirv: spirv.clone(), compiled: Default::default(), store, general }))
     }
 
     /// The kernels of `variant` and their layout. Layouts of variants that are not wide are one layout to Vulkan.
@@ -206,22 +232,22 @@ impl Kernels {
     }
 
     fn pipeline(&self, entry: EntryPoint, variant: Variant) -> Result<Arc<Pipeline>, DeviceError> {
-        self.get(Kernel { entry, constant: 0, variant })
+        self.get(Kernel { entry, variant, special: Specialization::GENERAL })
     }
 
     fn get(&self, kernel: Kernel) -> Result<Arc<Pipeline>, DeviceError> {
         self.place(kernel).get(|| self.compile(kernel))
     }
 
-    fn compile(&self, Kernel { entry, constant, variant }: Kernel) -> Result<Pipeline, DeviceError> {
+    fn compile(&self, Kernel { entry, variant, special }: Kernel) -> Result<Pipeline, DeviceError> {
         let module = self.module(variant)?;
-        Ok(self.store.compile(|cache| module.pipeline(entry.name(), constant, cache))?)
+        Ok(self.store.compile(|cache| module.pipeline(entry.name(), bytemuck::cast_slice(&[special]), cache))?)
     }
 
     fn place(&self, kernel: Kernel) -> Arc<Place> {
         let pipelines = &self.compiled[kernel.variant.index()].pipelines;
         let mut pipelines = pipelines.lock().unwrap_or_else(PoisonError::into_inner);
-        pipelines.entry((kernel.entry, kernel.constant)).or_default().clone()
+        pipelines.entry((kernel.entry, kernel.special)).or_default().clone()
     }
 
     /// Has threads compile those of `wanted` that nobody has compiled. Their errors are for who needs them.
@@ -239,6 +265,24 @@ impl Kernels {
         Variant { simple: scene.is_simple(), wide: self.context.has_addresses() && scene.bytes().iter().any(is_long) }
     }
 
+    /// What the kernels that trace `scene` are specialised for.
+    fn specialization(&self, scene: &SceneBuffers) -> Specialization {
+        if self.general { Specialization::GENERAL } else { Specialization::of(scene) }
+    }
+
+    /// `kernel`, or while that is not compiled another that traces all that it does, if there is one.
+    fn serving(&self, kernel: Kernel) -> Kernel {
+        if self.place(kernel).is_filled() {
+            return kernel;
+        }
+        let pipelines = &self.compiled[kernel.variant.index()].pipelines;
+        let pipelines = pipelines.lock().unwrap_or_else(PoisonError::into_inner);
+        let covers =
+            |(entry, special): &(EntryPoint, Specialization)| *entry == kernel.entry && special.covers(&kernel.special);
+        let found = pipelines.iter().find(|(known, place)| covers(known) && place.is_filled());
+        found.map_or(kernel, |((_, special), _)| Kernel { special: *special, ..kernel })
+    }
+
     /// Descriptor set of what kernels write, and read besides the scene.
     fn bind(&self, buffers: &[(u32, Arc<Buffer>)]) -> Result<BindingSet, DeviceError> {
         Ok(self.module(Variant::SIMPLE)?.bind(BUFFER_SET, buffers)?)
@@ -246,6 +290,7 @@ impl Kernels {
 
     /// Makes `scene` resident; what it shares with `old` is there already.
     fn upload(&self, scene: &SceneBuffers, old: Option<&Resident>) -> Result<Resident, DeviceError> {
+        let scene = &as_tried(scene);
         // `old` keeps its lists alive, so the same address is the same list.
         let resident = |i: usize, list: &BufferBytes<'_>| {
             let old = old.filter(|old| old.scene.bytes()[i].same(list))?;
@@ -263,7 +308,7 @@ impl Kernels {
         let buffers: Vec<_> = buffers.collect::<Result<_, DeviceError>>()?;
         let variant = self.variant(scene);
         let set = self.module(variant)?.bind(SCENE_SET, &buffers)?;
-        Ok(Resident { scene: scene.clone(), buffers, variant, clear: clear(scene), set })
+        Ok(Resident { scene: scene.clone(), buffers, variant, special: self.specialization(scene), set })
     }
 
     /// An empty film, in bands.
@@ -309,25 +354,30 @@ impl Kernels {
     }
 }
 
-/// 1 if light may pass some of the sheets of `scene` straight.
-fn clear(scene: &SceneBuffers) -> u32 {
-    scene.counts.first().map_or(0, |counts| counts.clear)
+/// `scene`, with few shapes tried one by one: threads in step are then all at one shape.
+fn as_tried(scene: &SceneBuffers) -> SceneBuffers {
+    let mut scene = scene.clone();
+    if !scene.constants.is_empty() {
+        scene.try_all(FEW_SHAPES);
+    }
+    scene
 }
 
-/// Kernel of a variant, with its specialization constant.
+/// Most shapes that rays try one by one.
+const FEW_SHAPES: usize = 16;
+
+/// Kernel of a variant, with what it is specialised for.
 #[derive(Clone, Copy)]
 struct Kernel {
     entry: EntryPoint,
-    constant: u32,
     variant: Variant,
+    special: Specialization,
 }
 
 impl Kernel {
     /// Kernel that adds samples to the film of `feature`, of scenes with these properties.
-    fn sampling(integrator: Integrator, feature: Feature, variant: Variant, clear: u32) -> Self {
-        let entry = sampling(integrator, feature);
-        let constant = if entry == EntryPoint::Inspect { 0 } else { clear };
-        Self { entry, constant, variant }
+    fn sampling(integrator: Integrator, feature: Feature, variant: Variant, special: Specialization) -> Self {
+        Self { entry: sampling(integrator, feature), variant, special }
     }
 }
 
@@ -337,8 +387,7 @@ struct Resident {
     /// Buffers of the scene, each with its binding.
     buffers: Vec<(u32, Arc<Buffer>)>,
     variant: Variant,
-    /// 1 if light may pass some of its sheets straight.
-    clear: u32,
+    special: Specialization,
     set: BindingSet,
 }
 
@@ -365,15 +414,39 @@ struct VulkanSession {
     films: Films<Vec<Band>>,
     resting: Arc<Buffer>,
     reference: Option<Arc<Buffer>>,
+    /// Whether kernels that know more than the scene has may serve.
+    accepts_general: bool,
+    /// Whether the scene has been edited since the session began: it is more than another view.
+    is_edited: bool,
     // The output is needed by who displays alone. It is bound to the film that is shown and to the reference.
     output: Option<Output>,
 }
 
 impl VulkanSession {
-    /// Kernel that adds samples to the film that is shown.
+    /// Kernel that adds samples to the film that is shown: the scene's own, or what serves until that is there.
     fn sampling(&self) -> Kernel {
-        let Resident { variant, clear, .. } = self.resident;
-        Kernel::sampling(self.integrator, self.films.feature(), variant, clear)
+        let own = self.own();
+        if self.accepts_general { self.kernels.serving(own) } else { own }
+    }
+
+    /// Kernel that knows what the scene has, and no more.
+    fn own(&self) -> Kernel {
+        let Resident { variant, special, .. } = self.resident;
+        Kernel::sampling(self.integrator, self.films.feature(), variant, special)
+    }
+
+    /// Has kernels compiled after an edit: the scene's own, and general ones for edits to come. In software both would take minutes;
+    /// general ones do for all.
+    fn compile_for_edits(&self) {
+        let own = self.own();
+        let general = Kernel { special: Specialization::GENERAL, ..own };
+        let in_software = self.kernels.context.physical().kind == DeviceKind::Software;
+        let wanted: &[Kernel] = match (in_software, self.kernels.place(self.sampling()).is_filled()) {
+            (true, true) => &[],
+            (true, false) => &[general],
+            (false, _) => &[own, general],
+        };
+        self.kernels.compile_ahead(&self.hardware.ahead, wanted.iter().copied());
     }
 }
 
@@ -409,9 +482,17 @@ impl Session for VulkanSession {
         if self.kernels.place(kernel).is_filled() {
             return self.prepare();
         }
-        let display = Kernel { entry: EntryPoint::Display, constant: 0, variant: Variant::SIMPLE };
+        if self.accepts_general && self.is_edited {
+            self.compile_for_edits();
+            return Ok(());
+        }
+        let display = Kernel { entry: EntryPoint::Display, variant: Variant::SIMPLE, special: Specialization::GENERAL };
         self.kernels.compile_ahead(&self.hardware.ahead, [kernel, display]);
         Ok(())
+    }
+
+    fn accept_general(&mut self) {
+        self.accepts_general = true;
     }
 
     fn compile_time(&self) -> Duration {
@@ -478,6 +559,7 @@ impl Session for VulkanSession {
 
     fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
         scene.buffers.check_after(&self.resident.scene)?;
+        self.is_edited |= !scene.buffers.is_view_of(&self.resident.scene);
         self.resident = self.kernels.upload(&scene.buffers, Some(&self.resident))?;
         let same_size = (self.work.width, self.work.height) == (scene.work.width, scene.work.height);
         if same_size {
@@ -490,6 +572,9 @@ impl Session for VulkanSession {
         }
         self.work = scene.work;
         self.integrator = scene.settings.integrator;
+        if self.accepts_general && self.is_edited {
+            self.compile_for_edits();
+        }
         Ok(())
     }
 
@@ -587,7 +672,8 @@ impl Session for VulkanSession {
         let groups = EntryPoint::Probe.groups(&work);
         let Variant { simple, wide } = self.resident.variant;
         let variant = Variant { simple: simple && !probe.is_full(), wide };
-        let pipeline = self.kernels.get(Kernel { entry: EntryPoint::Probe, constant: probe as u32, variant })?;
+        let special = Specialization { probe: probe as u32, ..Specialization::GENERAL };
+        let pipeline = self.kernels.get(Kernel { entry: EntryPoint::Probe, variant, special })?;
         context.run(|passes| passes.compute(&pipeline, &sets, bytemuck::bytes_of(&work), groups))?;
         Ok(bytemuck::allocation::pod_collect_to_vec(&output.read()?))
     }

@@ -78,7 +78,7 @@ impl DeviceScene {
         let old = std::mem::take(&mut self.buffers);
         self.meshes.share(&mut self.buffers);
         self.textures.begin();
-        self.buffers.sky = vec![device_sky(&scene.environment, &mut self.textures)?].into();
+        self.buffers.constants_mut().sky = device_sky(&scene.environment, &mut self.textures)?;
         let materials = Materials::new(&scene.materials, &mut self.textures)?;
         let absorbing = materials.absorbing();
         self.buffers.materials = materials.materials.into();
@@ -94,11 +94,10 @@ impl DeviceScene {
         let boxes: Vec<_> = scene.shapes.iter().map(|shape| self.bounds(&shape.geometry)).collect();
         self.arrange(&boxes, &old.nodes);
         self.buffers.order = Arc::new(self.shape_of_place.iter().map(|&i| references[i as usize]).collect());
-        for counts in Arc::make_mut(&mut self.buffers.counts) {
-            counts.lights = scene.lights.len() as u32;
-            counts.absorbing = u32::from(absorbing);
-            counts.clear = u32::from(scene.materials.iter().any(is_clear));
-        }
+        let counts = &mut self.buffers.constants_mut().counts;
+        counts.lights = scene.lights.len() as u32;
+        counts.absorbing = u32::from(absorbing);
+        counts.clear = u32::from(scene.materials.iter().any(is_clear));
         self.lights.share(&mut self.buffers);
         self.set_view(scene)
     }
@@ -106,7 +105,7 @@ impl DeviceScene {
     /// Tells how `scene`, which this is the translation of, has moved since `before`, the frame before it.
     pub fn move_from(&mut self, scene: &Scene, before: &Scene) {
         let camera = device_camera(&before.camera, &before.render);
-        let views = [frame_view(&self.buffers.camera[0]), frame_view(&camera)];
+        let views = [frame_view(&self.buffers.constants().camera), frame_view(&camera)];
         self.buffers.motion = vec![Motion { now: views[0], before: views[1], moves: 1 }].into();
         self.buffers.motion_rows = motion_rows(scene, before, &self.shape_of_place).into();
     }
@@ -134,8 +133,8 @@ impl DeviceScene {
             self.shape_of_place = unbounded.iter().copied().chain(order).collect();
         }
         let [shapes, unbounded, nodes] = [boxes.len(), unbounded.len(), self.buffers.nodes.len()].map(|n| n as u32);
-        self.buffers.counts =
-            vec![SceneCounts { shapes, unbounded, tried: unbounded, nodes, ..SceneCounts::default() }].into();
+        self.buffers.constants_mut().counts =
+            SceneCounts { shapes, unbounded, tried: unbounded, nodes, ..SceneCounts::default() };
     }
 
     /// Looks at the same scene from another camera, or with other settings: `scene` differs from the one this was made
@@ -144,12 +143,12 @@ impl DeviceScene {
     /// # Errors
     /// A [`TranslationError::TooManyMedia`] when more bodies surround the camera than a path remembers.
     pub fn set_view(&mut self, scene: &Scene) -> Result<(), TranslationError> {
-        self.buffers.camera = vec![device_camera(&scene.camera, &scene.render)].into();
         let media = camera_media(scene, &self.shape_of_place)?;
-        for counts in Arc::make_mut(&mut self.buffers.counts) {
-            counts.camera_media = media.len() as u32;
-        }
-        self.buffers.camera_media = media.into();
+        let constants = self.buffers.constants_mut();
+        constants.camera = device_camera(&scene.camera, &scene.render);
+        constants.counts.camera_media = media.len() as u32;
+        constants.camera_media = Default::default();
+        constants.camera_media[..media.len()].copy_from_slice(&media);
         self.buffers.filter_table = filter_table(scene.render.filter).into();
         self.work = work(&scene.render);
         self.settings = scene.render.clone();

@@ -54,17 +54,16 @@ impl Lights {
                 emitters[node.child as usize].leaf = place;
             }
         }
-        for counts in Arc::make_mut(&mut buffers.counts) {
-            counts.emitters = emitters.len() as u32;
-            counts.sky_emitter = if sky_power > 0.0 { sky_emitter } else { NONE };
-        }
+        let counts = &mut buffers.constants_mut().counts;
+        counts.emitters = emitters.len() as u32;
+        counts.sky_emitter = if sky_power > 0.0 { sky_emitter } else { NONE };
         buffers.emitters = emitters.into();
         buffers.light_nodes = self.nodes.clone();
     }
 
     /// Light that the sky's image sends beyond its mean; 0 if it is not sampled.
     fn share_sky(&mut self, buffers: &mut SceneBuffers) -> f32 {
-        let sky = buffers.sky[0];
+        let sky = buffers.constants().sky;
         if sky.image == NO_TEXTURE {
             self.sky = None;
             return 0.0;
