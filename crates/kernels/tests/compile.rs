@@ -53,7 +53,7 @@ fn what_the_host_knows_may_not() {
         changed("Camera")
     );
     assert_eq!(edited("bvh.slang", "BVH_STACK = 96", "BVH_STACK = 97"), changed("BVH_STACK"));
-    assert_eq!(edited("entry/path.slang", "[numthreads(8, 8, 1)]", "[numthreads(4, 8, 1)]"), changed("path"));
+    assert_eq!(edited("entry/path.slang", "[numthreads(16, 8, 1)]", "[numthreads(4, 8, 1)]"), changed("path"));
     let sentence = CompileError::Changed("View".into()).to_string();
     assert_eq!(sentence, "`View` of the kernels changed: rebuild the program");
 }
