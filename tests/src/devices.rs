@@ -94,9 +94,18 @@ pub fn vulkan() -> Option<&'static dyn Device> {
     VULKAN.get_or_init(open_vulkan).as_deref()
 }
 
-/// Opens the best Vulkan device once more, for tests that change it.
+/// Opens the best Vulkan device once more, for tests that change it. In software its kernels are general ones.
 pub fn open_vulkan() -> Option<Box<dyn Device>> {
-    let options = OpenOptions { validate: true, general_in_software: true, ..OpenOptions::default() };
+    open_vulkan_with(true)
+}
+
+/// Opens the best Vulkan device once more, with kernels that are specialised for each scene in software too.
+pub fn open_specialised_vulkan() -> Option<Box<dyn Device>> {
+    open_vulkan_with(false)
+}
+
+fn open_vulkan_with(general_in_software: bool) -> Option<Box<dyn Device>> {
+    let options = OpenOptions { validate: true, general_in_software, ..OpenOptions::default() };
     match open(DeviceChoice::Vulkan(None), options, |_| ()) {
         Ok(device) => Some(device),
         Err(error) => {
