@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use raggio_render::DeviceScene;
+use raggio_render::{Denoiser, DeviceScene};
 use raggio_scene::{AssetOptions, Assets, Counts, Scene, counted, display_name, is_model};
 
 use crate::error::Failure;
@@ -32,7 +32,15 @@ pub fn devices() -> Result<(), Failure> {
     if let Some(trouble) = trouble {
         print(format_args!("vulkan    none: {trouble}"))?;
     }
-    Ok(())
+    match Denoiser::open() {
+        Ok(denoiser) => {
+            let gpus = denoiser.gpus();
+            let gpus = gpus.iter().map(|(gpu, interface)| format!("{} ({})", gpu.name, interface.name()));
+            let places: Vec<_> = gpus.chain(["the CPU".into()]).collect();
+            print(format_args!("denoiser  {} on {}", denoiser.name(), places.join(", ")))
+        }
+        Err(error) => print(format_args!("denoiser  none: {error}")),
+    }
 }
 
 pub fn check(path: &Path, options: AssetOptions) -> Result<(), Failure> {

@@ -96,6 +96,7 @@ fn the_command_line_overrides_the_scene() {
         keys,
         [
             "device",
+            "denoiser",
             "width",
             "height",
             "samples_per_pixel",
@@ -108,6 +109,11 @@ fn the_command_line_overrides_the_scene() {
             "compile_seconds",
             "compile_wait_seconds",
             "render_seconds",
+            "film_seconds",
+            "layers_seconds",
+            "write_seconds",
+            "denoise_seconds",
+            "total_seconds",
             "samples_per_second",
             "rays",
             "rays_per_second",
@@ -123,6 +129,10 @@ fn the_command_line_overrides_the_scene() {
     let seconds = |key: &str| stats[key].as_f64().expect("seconds");
     let parts = ["read", "open", "translate", "upload", "compile_wait"].map(|part| seconds(&format!("{part}_seconds")));
     assert!(parts.iter().all(|part| *part >= 0.0) && parts.iter().sum::<f64>() <= seconds("setup_seconds"), "{stats}");
+    let after = ["film", "layers", "write"].map(|part| seconds(&format!("{part}_seconds")));
+    let all = seconds("setup_seconds") + seconds("render_seconds") + after.iter().sum::<f64>();
+    assert!(after.iter().all(|part| *part >= 0.0) && all <= seconds("total_seconds"), "{stats}");
+    assert_eq!([&stats["denoise_seconds"], &stats["denoiser"]], [&serde_json::Value::Null; 2]);
     assert_eq!(seconds("compile_seconds"), 0.0, "the CPU's kernels are part of the program");
     let rays = stats["rays"].as_u64().expect("a count");
     // Each sample traces the camera's ray, and at most one more.

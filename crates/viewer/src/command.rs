@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use raggio_render::{Comparison, ToneMapper, View};
 use raggio_scene::{Camera, Environment, Geometry, Material, Placement, RenderSettings};
 
+use crate::denoising::InMotion;
 use crate::look::Look;
 use crate::navigation::Preset;
 
@@ -41,6 +42,8 @@ pub enum Command {
     Tones(ToneMapper),
     /// Shows the picture without its noise, or as it is.
     Denoise(bool),
+    /// Chooses whether it does so while the camera moves.
+    DenoiseInMotion(InMotion),
     /// Chooses how the picture is compared with the reference.
     Compare(Comparison),
     /// Compares with the picture in this file, or with none.

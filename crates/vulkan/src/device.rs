@@ -4,11 +4,17 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use ash::{khr, vk};
+use gpu_allocator::AllocationSizes;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
 use crate::error::{During, VulkanError};
 use crate::faults::Faults;
 use crate::instance::PhysicalDevice;
+
+/// Bytes of the device's memory that are taken at once, to be given out in parts.
+const DEVICE_BLOCK_BYTES: u64 = 256 << 20;
+/// Bytes of the host's memory that are taken so: drivers take long over it.
+const HOST_BLOCK_BYTES: u64 = 32 << 20;
 
 /// A device in use, with one compute queue.
 pub struct Device {
@@ -82,7 +88,7 @@ impl Device {
                 physical_device: physical.handle,
                 debug_settings: Default::default(),
                 buffer_device_address: physical.addresses,
-                allocation_sizes: Default::default(),
+                allocation_sizes: AllocationSizes::new(DEVICE_BLOCK_BYTES, HOST_BLOCK_BYTES),
             })
             .map_err(|e| VulkanError::OutOfMemory(e.to_string()))?;
             Ok((allocator, Queue::new(&raw, physical.queue_family)?))

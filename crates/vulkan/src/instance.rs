@@ -59,6 +59,8 @@ pub struct PhysicalDevice {
     pub kind: DeviceKind,
     /// UUID of the device, which other interfaces have too.
     pub uuid: [u8; 16],
+    /// LUID of the device, which Windows has.
+    pub luid: Option<[u8; 8]>,
     /// Bytes of the device's own memory.
     pub memory_bytes: u64,
     /// Whether kernels can reach buffers by address, and so more of them than `max_storage_buffer_range`.
@@ -240,6 +242,7 @@ impl Instance {
                 _ => DeviceKind::Other,
             },
             uuid: identity.device_uuid,
+            luid: (identity.device_luid_valid == vk::TRUE).then_some(identity.device_luid),
             memory_bytes: own_heaps(&memory).map(|(_, heap)| heap.size).sum(),
             addresses: vulkan12.buffer_device_address == vk::TRUE,
             draws: drawing.is_some(),

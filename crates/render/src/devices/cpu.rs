@@ -212,7 +212,7 @@ impl Session for CpuSession {
         let Self { workers, work, films, reference, .. } = self;
         let film = films.shown_mut().pixels_mut();
         let tile = (work.width * workers.tile_rows) as usize;
-        let mut pixels = vec![0; film.len()];
+        let mut pixels = bytemuck::zeroed_vec(film.len());
         workers.pool.install(|| {
             let tiles = film.par_chunks_mut(tile).zip(pixels.par_chunks_mut(tile)).enumerate();
             tiles.for_each(|(i, (film, pixels))| {
@@ -230,6 +230,10 @@ impl Session for CpuSession {
 
     fn film(&self) -> Result<Film, DeviceError> {
         Ok(self.films.shown().clone())
+    }
+
+    fn take_film(&mut self) -> Result<Film, DeviceError> {
+        Ok(std::mem::replace(self.films.shown_mut(), Film::new(0, 0)))
     }
 
     fn ask(&mut self, probe: Probe, questions: &[Question]) -> Result<Vec<Answer>, DeviceError> {

@@ -4,12 +4,13 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;
 
+use raggio_denoise::{Care, DenoiseError, Denoiser};
 use raggio_kernels::{BrokenScene, EntryPoint, Feature, FilmPixel, Probe};
 use raggio_scene::Integrator;
 use raggio_vulkan::VulkanError;
 
 use crate::devices::adaptive::Blocks;
-use crate::pictures::display::{Display, Pixels};
+use crate::pictures::display::{Denoised, Display, Pixels};
 use crate::pictures::film::Film;
 use crate::pictures::linear_image::Image;
 use crate::translation::device_scene::DeviceScene;
@@ -126,6 +127,12 @@ pub trait Session: Send {
     /// The film as displayable pixels.
     fn display(&mut self, display: Display) -> Result<Pixels, DeviceError>;
 
+    /// The film of radiance as displayable pixels, without its noise and without a comparison, where `denoiser` works in the
+    /// memory of the device: guides are sampled there too.
+    fn denoise(&mut self, _denoiser: &Denoiser, _care: Care, _display: Display) -> Result<Denoised, DeviceError> {
+        Ok(Denoised::Elsewhere)
+    }
+
     /// Pixels `columns` of row `y` of the film as it is now; they have to be inside it.
     fn pixels(&self, columns: Range<u32>, y: u32) -> Result<Vec<FilmPixel>, DeviceError>;
 
@@ -136,6 +143,11 @@ pub trait Session: Send {
 
     /// The film as it is now.
     fn film(&self) -> Result<Film, DeviceError>;
+
+    /// The film as it is now, for who asks this film for nothing more: it may be gone then.
+    fn take_film(&mut self) -> Result<Film, DeviceError> {
+        self.film()
+    }
 
     /// Means of the film of radiance, three floats a pixel, for CUDA on the same device; `None` where that cannot be without a
     /// way through the host.
@@ -174,6 +186,9 @@ pub enum DeviceError {
     /// A Vulkan call failed.
     #[error(transparent)]
     Vulkan(#[from] VulkanError),
+    /// A denoiser failed in the memory of the device.
+    #[error(transparent)]
+    Denoise(#[from] DenoiseError),
     /// The scene's indices are wrong.
     #[error(transparent)]
     BrokenScene(#[from] BrokenScene),

@@ -1,11 +1,16 @@
 //! A Vulkan device.
 
+#[cfg(target_os = "linux")]
+mod noiseless;
+
 use std::collections::HashMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 
+#[cfg(target_os = "linux")]
+use raggio_denoise::{Care, Denoiser};
 use raggio_kernels::{
     BufferBytes, EntryPoint, FILM_BINDING, Feature, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, RESTING_BINDING,
     SCENE_BINDINGS, SCENE_SET, SPIRV, SceneBuffers, Specialization, Spirv, Variant, Work,
@@ -22,9 +27,12 @@ use crate::devices::adaptive::Blocks;
 use crate::devices::device::{Answer, Device, DeviceError, Question, Session, sampling};
 use crate::devices::films::Films;
 use crate::devices::pipelines::{Ahead, Place, Store};
+#[cfg(target_os = "linux")]
+use crate::pictures::display::Denoised;
 use crate::pictures::display::{Display, Pixels, reference_pixels};
 use crate::pictures::film::Film;
 use crate::pictures::linear_image::Image;
+use crate::pictures::runs::copy;
 use crate::translation::device_scene::DeviceScene;
 
 #[cfg(target_os = "linux")]
@@ -163,6 +171,8 @@ impl Hardware {
             output: None,
             accepts_general: false,
             is_edited: false,
+            #[cfg(target_os = "linux")]
+            noiseless: None,
         }))
     }
 }
@@ -335,6 +345,19 @@ impl Kernels {
         Ok(Arc::new(Buffer::with_bytes(&self.context, "resting blocks", bytemuck::cast_slice(words))?))
     }
 
+    /// Displays the film in `bands` as `work` says.
+    fn display(&self, work: &Work, bands: &[Band], output: &Output) -> Result<(), DeviceError> {
+        let pipeline = self.pipeline(EntryPoint::Display, Variant::SIMPLE)?;
+        Ok(self.context.run(|passes| {
+            for (band, set) in bands.iter().zip(&output.sets) {
+                let (first, rows) = (band.rows.start, band.rows.len() as u32);
+                let work = Work { band_row: first, first_row: first, rows, ..*work };
+                let groups = EntryPoint::Display.groups(&work);
+                passes.compute(&pipeline, &[set], bytemuck::bytes_of(&work), groups);
+            }
+        })?)
+    }
+
     /// Room for displayable pixels, and the sets that display each band into it.
     fn output(&self, work: &Work, bands: &[Band], reference: Option<&Arc<Buffer>>) -> Result<Output, DeviceError> {
         let bytes = u64::from(work.width) * u64::from(work.height) * 4;
@@ -420,6 +443,9 @@ struct VulkanSession {
     is_edited: bool,
     // The output is needed by who displays alone. It is bound to the film that is shown and to the reference.
     output: Option<Output>,
+    /// Images that a denoiser shares, once one has been asked, of the size of the film.
+    #[cfg(target_os = "linux")]
+    noiseless: Option<noiseless::Noiseless>,
 }
 
 impl VulkanSession {
@@ -562,6 +588,11 @@ impl Session for VulkanSession {
         self.is_edited |= !scene.buffers.is_view_of(&self.resident.scene);
         self.resident = self.kernels.upload(&scene.buffers, Some(&self.resident))?;
         let same_size = (self.work.width, self.work.height) == (scene.work.width, scene.work.height);
+        #[cfg(target_os = "linux")]
+        match &mut self.noiseless {
+            Some(noiseless) if same_size => noiseless.begin_anew(),
+            noiseless => *noiseless = None,
+        }
         if same_size {
             let bands = self.films.iter().flatten();
             self.kernels.context.run(|passes| bands.for_each(|band| passes.clear(&band.film)))?;
@@ -583,6 +614,10 @@ impl Session for VulkanSession {
         // What was on the device before goes first, for two of each may be more than fits.
         let resting = kernels.resting(&[])?;
         (self.output, self.reference) = (None, None);
+        #[cfg(target_os = "linux")]
+        {
+            self.noiseless = None;
+        }
         self.films = Films::new(vec![]);
         self.resident = kernels.upload(&SceneBuffers::default(), None)?;
         (self.kernels, self.resting) = (kernels, resting);
@@ -613,16 +648,13 @@ impl Session for VulkanSession {
             None => self.kernels.output(&self.work, self.films.shown(), self.reference.as_ref())?,
         };
         let work = display.apply(self.work, self.reference.is_some());
-        let pipeline = self.kernels.pipeline(EntryPoint::Display, Variant::SIMPLE)?;
-        self.kernels.context.run(|passes| {
-            for (band, set) in self.films.shown().iter().zip(&output.sets) {
-                let (first, rows) = (band.rows.start, band.rows.len() as u32);
-                let work = Work { band_row: first, first_row: first, rows, ..work };
-                let groups = EntryPoint::Display.groups(&work);
-                passes.compute(&pipeline, &[set], bytemuck::bytes_of(&work), groups);
-            }
-        })?;
+        self.kernels.display(&work, self.films.shown(), &output)?;
         Ok(Pixels::Device(self.output.insert(output).pixels.clone()))
+    }
+
+    #[cfg(target_os = "linux")]
+    fn denoise(&mut self, denoiser: &Denoiser, care: Care, display: Display) -> Result<Denoised, DeviceError> {
+        self.show_denoised(denoiser, care, display)
     }
 
     fn pixels(&self, columns: Range<u32>, y: u32) -> Result<Vec<FilmPixel>, DeviceError> {
@@ -640,7 +672,10 @@ impl Session for VulkanSession {
         let mut pixels = bytemuck::zeroed_vec::<FilmPixel>(width * self.work.height as usize);
         for band in self.films.shown() {
             let rows = band.rows.start as usize * width..band.rows.end as usize * width;
-            band.film.read_into(0, bytemuck::cast_slice_mut(&mut pixels[rows]))?;
+            let rows: &mut [u8] = bytemuck::cast_slice_mut(&mut pixels[rows]);
+            band.film.read_by(0..rows.len() as u64, |place, bytes| {
+                copy(&mut rows[place..][..bytes.len()], bytes);
+            })?;
         }
         Ok(Film::from_pixels(self.work.width, self.work.height, pixels))
     }
