@@ -15,6 +15,10 @@ const PUNCTUAL: f64 = 0.85;
 /// Part of it that is planned for where the alternative is a picture of fewer pixels.
 const PROMPT: f64 = 0.97;
 
+/// Part of it that one sample of each pixel is worth there, though the frame comes late then: with fewer pixels it would be
+/// early, for nothing is denoised, and the next would have all of them again.
+const WHOLE: f64 = 0.75;
+
 /// Purpose of frames at the moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
@@ -125,6 +129,11 @@ impl Clock {
             Pace::Whole => left(interval, PROMPT),
             Pace::Alone => left(interval, PUNCTUAL).max((3.0 * self.overhead).min(SLOWEST)),
         }
+    }
+
+    /// Seconds that the first sample of each pixel may take in a frame that is given `budget` seconds.
+    pub fn patience(&self, pace: Pace, budget: f64) -> f64 {
+        if pace == Pace::Whole { budget.max(WHOLE * self.interval.as_secs_f64()) } else { budget }
     }
 
     /// Notes that so many seconds of this frame went into samples, which were given `budget` seconds.
@@ -249,6 +258,7 @@ mod tests {
     fn samples_never_get_less_than_a_quarter_of_a_frame() {
         let mut clock = Clock::new(0.016);
         assert!(clock.budget(Pace::Display) < 0.016 && clock.budget(Pace::Fluent) > 0.016);
+        assert_eq!([Pace::Whole, Pace::Display].map(|pace| clock.patience(pace, 0.004)), [0.012, 0.004]);
         assert!(clock.budget(Pace::Whole) > clock.budget(Pace::Display) && clock.budget(Pace::Whole) < 0.016);
         clock.overhead = 1.0;
         assert_eq!(clock.budget(Pace::Display), 0.004);

@@ -261,6 +261,12 @@ impl Tracer {
     /// Spends about `seconds` on samples. A film that is new gets a whole sample, whatever time that takes: each change
     /// is to be seen before the next one. Frames go on without samples while a driver compiles kernels.
     pub fn trace(&mut self, seconds: f64) -> Result<(), ViewError> {
+        self.trace_whole(seconds, seconds)
+    }
+
+    /// Traces as [`Tracer::trace`] does; films are of as fine a resolution as `patience`, in seconds and no less, allows for
+    /// their first sample.
+    pub fn trace_whole(&mut self, seconds: f64, patience: f64) -> Result<(), ViewError> {
         let start = Instant::now();
         let session = self.renderer.session();
         self.awaits_kernels = self.is_patient && !session.is_prepared();
@@ -269,8 +275,8 @@ impl Tracer {
             std::thread::sleep(Duration::from_secs_f64(seconds).min(MOMENT));
             return Ok(());
         }
-        if self.settle(seconds)? {
-            self.add_one_sample(|tracer| tracer.catch_up(seconds))?;
+        if self.settle(patience)? {
+            self.add_one_sample(|tracer| tracer.catch_up(patience))?;
         } else if self.awaited {
             self.add_one_sample(|tracer| tracer.glance(seconds.max(GLANCE)))?;
             self.awaited = self.renderer.progress().samples == 0;

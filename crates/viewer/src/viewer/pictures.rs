@@ -40,7 +40,7 @@ impl Viewer {
             Some(export) if whole => self.advance_export(export, budget),
             export => {
                 self.export = export;
-                self.trace(whole, budget)
+                self.trace(whole, budget, self.clock.patience(pace, budget))
             }
         };
         self.clock.sampled(start.elapsed().as_secs_f64(), budget);
@@ -49,14 +49,14 @@ impl Viewer {
     }
 
     /// Spends the `budget`, in seconds, on the denoiser's guides before more samples, also where no more are taken.
-    fn trace(&mut self, whole: bool, budget: f64) -> Result<(), ViewError> {
+    fn trace(&mut self, whole: bool, budget: f64, patience: f64) -> Result<(), ViewError> {
         if whole {
             let prepared = self.denoise(|denoising, tracer| denoising.prepare(tracer, budget))?;
             if prepared == Some(true) || self.settings.paused {
                 return Ok(());
             }
         }
-        self.tracer.trace(budget)
+        self.tracer.trace_whole(budget, patience)
     }
 
     /// Does something for the denoiser, if there is one; denoising ends where that fails.
