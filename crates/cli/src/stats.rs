@@ -1,4 +1,4 @@
-use raggio_render::{OutputFile, Preparation, Rendered};
+use raggio_render::{OutputFile, Preparation, Rendered, Tracer};
 use raggio_scene::RenderSettings;
 use serde_json::json;
 
@@ -32,6 +32,7 @@ impl Stats<'_> {
             self.rendered.preparation;
         let stats = json!({
             "device": self.device,
+            "tracer": self.rendered.tracer.map(Tracer::name),
             "width": film.width(),
             "height": film.height(),
             "samples_per_pixel": film.sample_range().0,

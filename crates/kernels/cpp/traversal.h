@@ -1,6 +1,6 @@
 // Walk through the hierarchies of eight children a node, for x86 processors with AVX2.
 //
-// What decides a hit is the arithmetic of kernels/tracing.slang and kernels/shapes, operation for operation and without
+// What decides a hit is the arithmetic of kernels/intersections.slang and kernels/shapes, operation for operation and without
 // fused ones, so that both walks find the same bits; tests hold them to that. What decides which boxes are looked into
 // need only be conservative, and may fuse. Among surfaces at one distance the lowest (shape, triangle) is the nearest, in
 // whatever order they are found.

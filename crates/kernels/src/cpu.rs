@@ -166,7 +166,7 @@ pub enum Walk {
     Wide,
     /// Through nodes of eight children, in turn whatever the size of the scene.
     InTurn,
-    /// Through binary nodes, as on other devices: `kernels/tracing.slang`.
+    /// Through binary nodes, as on other devices: `kernels/walk.slang`.
     Portable,
 }
 

@@ -17,6 +17,7 @@ use raggio_scene::Scene;
 use crate::checkpoint::{CheckpointError, Checkpoints, Every, Gathered, Keeper, SamplingState};
 use crate::devices::device::{Device, DeviceError};
 use crate::devices::machine::{TooLarge, check_films};
+use crate::devices::tracer::Tracer;
 use crate::pictures::aov::Features;
 use crate::pictures::film::{Film, Portion};
 use crate::pictures::image_file::Extras;
@@ -64,6 +65,9 @@ pub struct Rendered {
     pub progress: Progress,
     /// Time that went by before the first sample.
     pub preparation: Preparation,
+    /// Who has found what rays met, [`Tracer::Software`] or [`Tracer::Hardware`]; `None` where devices that shared the picture
+    /// differ.
+    pub tracer: Option<Tracer>,
     /// Whether every pixel has all samples that were asked for.
     pub finished: bool,
     /// Error of the device that ended the render early; layers and guides are missing then.
@@ -432,6 +436,7 @@ impl Rendering {
             picture: self.picture(film, features),
             progress,
             preparation: self.preparation,
+            tracer: self.renderer.session().tracer(),
             finished,
             failure,
             checkpoint,

@@ -16,6 +16,8 @@ pub enum Location {
     Upload,
     /// Memory that the device copies to and the host reads.
     Readback,
+    /// The device's memory, for structures that hardware traces rays by.
+    Structure,
 }
 
 /// A run of bytes that kernels and copies can use.
@@ -33,7 +35,8 @@ impl Buffer {
     /// larger than the device takes is an error.
     pub fn new(device: &Arc<Device>, what: &str, size: u64, location: Location) -> Result<Self, VulkanError> {
         // A buffer that cannot be reached by address is reached by a descriptor.
-        let addressed = location == Location::Device && device.physical.addresses;
+        let on_device = matches!(location, Location::Device | Location::Structure);
+        let addressed = on_device && device.physical.addresses;
         let limit = match location {
             Location::Device if !addressed => device.max_binding_bytes(),
             _ => device.physical.max_buffer_size,
@@ -47,6 +50,11 @@ impl Buffer {
             | vk::BufferUsageFlags::TRANSFER_DST;
         if addressed {
             usage |= vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS;
+        }
+        if location == Location::Structure {
+            usage |= vk::BufferUsageFlags::ACCELERATION_STRUCTURE_STORAGE_KHR;
+        } else if addressed && device.has_ray_queries() {
+            usage |= vk::BufferUsageFlags::ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_KHR;
         }
         // An empty binding is not allowed: the smallest buffer has 16 bytes.
         let info = vk::BufferCreateInfo::default().size(size.max(16)).usage(usage);
@@ -65,7 +73,7 @@ impl Buffer {
                 name: what,
                 requirements,
                 location: match location {
-                    Location::Device => MemoryLocation::GpuOnly,
+                    Location::Device | Location::Structure => MemoryLocation::GpuOnly,
                     Location::Upload => MemoryLocation::CpuToGpu,
                     Location::Readback => MemoryLocation::GpuToCpu,
                 },

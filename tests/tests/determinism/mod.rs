@@ -6,6 +6,7 @@ mod devices_agree;
 mod divided;
 mod film;
 mod patience;
+mod tracers_agree;
 mod walks;
 
 use raggio_scene::Scene;

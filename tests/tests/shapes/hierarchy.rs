@@ -14,7 +14,7 @@ const RAYS: usize = 50_000;
 const ROOM: f64 = 10.0;
 
 /// Scene of shapes of all kinds; some exactly where others are, some without thickness along an axis.
-fn random_scene(count: usize, random: &mut Pcg) -> Scene {
+pub(super) fn random_scene(count: usize, random: &mut Pcg) -> Scene {
     let mut text = String::from(
         "[camera]\nposition = [0, 0, 30]\nlook_at = [0, 0, 0]\nvertical_fov_degrees = 40
          [materials.a]\n[materials.b]\n",
@@ -59,7 +59,7 @@ fn array(v: DVec3) -> String {
 }
 
 /// Rays from inside and outside the room; a fifth along the axes, through the corners of shapes.
-fn random_rays(scene: &Scene, random: &mut Pcg) -> Vec<SingleRay> {
+pub(super) fn random_rays(scene: &Scene, random: &mut Pcg) -> Vec<SingleRay> {
     (0..RAYS)
         .map(|i| {
             let place = crate::shapes::place(&scene.shapes[random.below(scene.shapes.len())].geometry).0;

@@ -5,6 +5,7 @@ mod leave;
 mod lists;
 pub mod meshes;
 mod nearest;
+mod tracers;
 
 use raggio_render::{Answer, Question};
 use raggio_scene::{Geometry, Scene};

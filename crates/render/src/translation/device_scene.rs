@@ -10,7 +10,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use raggio_kernels::{
     BvhNode, CameraMedium, Light as DeviceLight, LightKind as DeviceLightKind, MAX_NESTED_MEDIA, Motion, NO_TEXTURE,
-    PixelFilter, SceneBuffers, SceneCounts, Sequence, Sky, Work,
+    PixelFilter, SceneBuffers, SceneCounts, Sequence, ShapeKind, Sky, Work,
 };
 use raggio_scene::{
     Environment, Filter, Geometry, Light, LightKind, Mesh, RenderSettings, Sampler, Scene, Texture, Wrap,
@@ -23,7 +23,7 @@ use crate::translation::device_scene::materials::{Materials, is_clear};
 use crate::translation::device_scene::shapes::Shapes;
 use crate::translation::error::TranslationError;
 use crate::translation::filters::filter_table;
-use crate::translation::hierarchy::{Bounds, Hierarchy, moved};
+use crate::translation::hierarchy::{Bounds, Hierarchy, moved, room};
 use crate::translation::lights::Lights;
 use crate::translation::media::{Body, media_around};
 use crate::translation::meshes::Meshes;
@@ -41,9 +41,19 @@ pub struct DeviceScene {
     pub settings: RenderSettings,
     /// Index in the scene of the shape at each place of `buffers.order`.
     pub shape_of_place: Vec<u32>,
+    boxed: Arc<Boxed>,
     meshes: Meshes,
     textures: TextureTable,
     lights: Lights,
+}
+
+/// Shapes in which hardware that traces rays lets kernels look for surfaces: all that have bounds and are no meshes.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct Boxed {
+    /// Places in `buffers.order`.
+    pub places: Vec<u32>,
+    /// Lower and upper corners of boxes around them, as much larger as the boxes of hierarchies are.
+    pub boxes: Vec<[[f32; 3]; 2]>,
 }
 
 /// Rays along a path whose number is not limited: what is still left after so many is lost.
@@ -60,6 +70,7 @@ impl DeviceScene {
             work: Work::default(),
             settings: RenderSettings::default(),
             shape_of_place: vec![],
+            boxed: Arc::default(),
             meshes: Meshes::default(),
             textures: TextureTable::default(),
             lights: Lights::default(),
@@ -94,6 +105,7 @@ impl DeviceScene {
         let boxes: Vec<_> = scene.shapes.iter().map(|shape| self.bounds(&shape.geometry)).collect();
         self.arrange(&boxes, &old.nodes);
         self.buffers.order = Arc::new(self.shape_of_place.iter().map(|&i| references[i as usize]).collect());
+        self.boxed = Arc::new(self.boxes_without_meshes(&boxes));
         let counts = &mut self.buffers.constants_mut().counts;
         counts.lights = scene.lights.len() as u32;
         counts.absorbing = u32::from(absorbing);
@@ -135,6 +147,30 @@ impl DeviceScene {
         let [shapes, unbounded, nodes] = [boxes.len(), unbounded.len(), self.buffers.nodes.len()].map(|n| n as u32);
         self.buffers.constants_mut().counts =
             SceneCounts { shapes, unbounded, tried: unbounded, nodes, ..SceneCounts::default() };
+    }
+
+    /// Bounded shapes that are no meshes.
+    fn boxes_without_meshes(&self, boxes: &[Option<Bounds>]) -> Boxed {
+        let all = boxes.iter().copied().flatten().fold(Bounds::EMPTY, Bounds::union);
+        let places = self.shape_of_place.iter().zip(&*self.buffers.order).zip(0..);
+        let boxed = places.filter_map(|((&shape, reference), place)| {
+            let Bounds(lower, upper) =
+                boxes[shape as usize].filter(|_| reference.kind != ShapeKind::Instance as u32)?;
+            let room = Vec3::from(room(all));
+            Some((place, [lower - room, upper + room].map(|corner| corner.to_array())))
+        });
+        let (places, boxes) = boxed.unzip();
+        Boxed { places, boxes }
+    }
+
+    /// Bounded shapes that are no meshes.
+    pub(crate) fn boxed(&self) -> &Arc<Boxed> {
+        &self.boxed
+    }
+
+    /// The meshes, in the order of `buffers.meshes`.
+    pub(crate) fn meshes(&self) -> impl ExactSizeIterator<Item = &Arc<Mesh>> {
+        self.meshes.iter()
     }
 
     /// Looks at the same scene from another camera, or with other settings: `scene` differs from the one this was made
