@@ -27,7 +27,7 @@ from ._errors import (
     SceneWarning,
 )
 from ._image import Image
-from ._materials import Environment, Material, Principled, Texture
+from ._materials import Environment, Material, Medium, Principled, Texture
 from ._notebook import view
 from ._render import Device, Renderer, devices, render, render_many
 from ._scene import Animation, Object, Scene, load
@@ -56,6 +56,7 @@ __all__ = [
     "Interrupted",
     "Intrinsics",
     "Material",
+    "Medium",
     "Mesh",
     "Object",
     "OutputError",

@@ -67,6 +67,23 @@ TextureLike = ImageLike | Texture
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Medium(_Table):
+    """What a body, or the whole scene, is filled with: fog, smoke, milk, wax. It absorbs and scatters light.
+
+    Coefficients are parts per unit of the scene's length, 0 or more: a number, or red, green and blue. After a distance d a part
+    exp(-c d) of the light is left, c the sum of both.
+    """
+
+    #: Part of the light that is absorbed per unit of length; 0 by default.
+    absorption: float | Color | None = None
+    #: Part of the light that is scattered per unit of length; 0 by default.
+    scattering: float | Color | None = None
+    #: Mean cosine of the angle by which light is scattered, -0.999 to 0.999 (Henyey and Greenstein): 0, by default, to all
+    #: sides alike, more goes forward, less goes back.
+    anisotropy: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Material(_Table):
     """A diffuse or mirroring surface, glass, or a lamp. What is ``None`` has the default of the scene file.
 
@@ -87,6 +104,9 @@ class Material(_Table):
     reflection: Literal["fresnel"] | float | None = None
     #: Rank among overlapping dielectrics: the highest wins.
     priority: int | None = None
+    #: Medium that fills bodies of the material. Without ``refractive_index`` these have no surface, as fog has none, and no
+    #: other key but ``priority``.
+    medium: Medium | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -193,6 +213,8 @@ class Principled(_Table):
     normal_map: TextureLike | None = None
     #: Factor that multiplies x and y of ``normal_map``.
     normal_scale: float | None = None
+    #: Medium that fills bodies of the material, into which light comes by ``transmission``: with it wax, skin and marble.
+    medium: Medium | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

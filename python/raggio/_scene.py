@@ -16,7 +16,7 @@ import numpy.typing as npt
 from . import _foreign, _raggio, _toml, _transforms
 from ._camera import Camera, checked_size
 from ._errors import SceneError, SceneWarning
-from ._materials import Environment, Material, Principled, Texture
+from ._materials import Environment, Material, Medium, Principled, Texture
 from ._shapes import Mesh, _Shape
 
 AnyMaterial = Material | Principled
@@ -173,7 +173,8 @@ class Scene:
     def _set_material(self, name: str, material: AnyMaterial) -> None:
         table = {key: self._resolved(value, is_image=_is_image(key)) for key, value in material._table().items()}
         if isinstance(material, Principled):
-            table = {"principled": table}
+            medium = table.pop("medium", None)
+            table = {"principled": table} if medium is None else {"principled": table, "medium": medium}
         text = _toml.value(table)
         if '"memory:' not in text:
             _raggio.SceneText.check_shape(
@@ -184,6 +185,8 @@ class Scene:
 
     def _resolved(self, value: Any, *, is_image: bool) -> Any:
         """A value as the scene file has it: images by their paths, or by their names in memory."""
+        if isinstance(value, Medium):
+            return value._table()
         if isinstance(value, Texture):
             table = value._table()
             return {**table, "image": self._image(table["image"])} if "image" in table else table
@@ -229,6 +232,16 @@ class Scene:
             table = {key: self._resolved(value, is_image=key == "image") for key, value in environment._table().items()}
             self._text.set(["environment"], _toml.value(table), checked=True)
         self._environment = environment
+
+    @property
+    def air(self) -> Medium | None:
+        """Medium that fills the scene around all bodies, such as fog; ``None`` is none."""
+        table = self._text.get(["air"])
+        return None if table is None else Medium(**table)
+
+    @air.setter
+    def air(self, air: Medium | None) -> None:
+        self._text.set(["air"], None if air is None else _toml.value(air._table()), checked=air is not None)
 
     @property
     def camera(self) -> Camera | None:
@@ -362,14 +375,16 @@ class _Materials(MutableMapping[str, AnyMaterial]):
     def __getitem__(self, name: str) -> AnyMaterial:
         if name in self._scene._materials:
             return self._scene._materials[name]
-        table = self._tables()[name]
+        table = dict(self._tables()[name])
+        if "medium" in table:
+            table["medium"] = Medium(**table["medium"])
         if "principled" not in table:
             return Material(**table)
         keys = self._scene._absolute(table["principled"], [key for key in table["principled"] if _is_image(key)])
         for key, value in keys.items():
             if isinstance(value, dict):
                 keys[key] = Texture(**self._scene._absolute(value, ("image",)))
-        return Principled(**keys)
+        return Principled(**keys, medium=table.get("medium"))
 
     def __setitem__(self, name: str, material: AnyMaterial) -> None:
         self._scene._set_material(name, material)

@@ -170,6 +170,35 @@ def test_materials() -> None:
         del scene.materials["gold"]
 
 
+def test_media(tmp_path) -> None:
+    scene = lit()
+    fog = rg.Medium(scattering=0.5, absorption=(0.1, 0.2, 0.3), anisotropy=0.4)
+    scene.air = rg.Medium(absorption=(0.01, 0.02, 0))
+    scene.materials["fog"] = rg.Material(medium=fog)
+    scene.materials["milk"] = rg.Material(refractive_index=1.33, medium=fog)
+    scene.materials["wax"] = rg.Principled(transmission=1, roughness=0.4, medium=fog)
+    for number, name in enumerate(scene.materials):
+        scene.add(rg.Sphere((3 * number, 0, 0), 1), material=name)
+    with pytest.raises(ValueError, match="anisotropy"):
+        scene.materials["fog"] = rg.Material(medium=rg.Medium(anisotropy=1))
+    with pytest.raises(ValueError, match="is of a surface, and a body with a `medium` has none"):
+        scene.materials["fog"] = rg.Material(color=(1, 1, 1), medium=fog)
+    with pytest.raises(ValueError, match="lets no light in: give it a `transmission`"):
+        scene.materials["wax"] = rg.Principled(medium=fog)
+    with pytest.raises(rg.SceneError, match="scattering"):
+        scene.air = rg.Medium(scattering=-1)
+    scene.camera = rg.Camera.look_at((0, 1, 9), (3, 0, 0), size=(40, 30))
+    path = tmp_path / "scene.toml"
+    path.write_text(scene.to_toml())
+    again = rg.load(path)
+    assert again.air == rg.Medium(absorption=(0.01, 0.02, 0))
+    assert again.materials["milk"] == rg.Material(refractive_index=1.33, medium=fog)
+    assert again.materials["wax"] == rg.Principled(transmission=1, roughness=0.4, medium=fog)
+    np.testing.assert_array_equal(render(scene, samples=2).pixels, render(again, samples=2).pixels)
+    again.air = None
+    assert again.air is None and again != scene
+
+
 def test_text_and_equality(tmp_path) -> None:
     scene = lit()
     scene.add(rg.Sphere((0, 0, 0), 1), material=rg.Material(color=(0.8, 0.4, 0.2)))

@@ -102,9 +102,16 @@ fn at_least(x: f64) -> f32 {
 pub const MOST_IN_HIERARCHY: u32 = 1 << GROUP_SHIFT;
 
 impl SceneBuffers {
-    /// Whether there are no principled materials and no lights without size: kernels that know of neither are faster.
+    /// Whether there are no principled materials, no lights without size and no media: kernels that know of none are faster.
     pub fn is_simple(&self) -> bool {
-        self.principled.is_empty() && self.lights.is_empty()
+        let absorbs = self.constants.first().is_some_and(|constants| constants.counts.absorbing != 0);
+        self.principled.is_empty() && self.lights.is_empty() && !absorbs && !self.has_media()
+    }
+
+    /// Whether media scatter light or bodies have no surface: kernels that know of neither are faster.
+    pub fn has_media(&self) -> bool {
+        let has = |constants: &Constants| constants.counts.scattering != 0 || constants.counts.seamless != 0;
+        self.constants.first().is_some_and(has)
     }
 
     /// Has every ray try all shapes one by one, if they are `few` at most and no meshes; false if it does not.
@@ -237,7 +244,8 @@ impl SceneBuffers {
         if self.albedos.len() != ALBEDO_NODES as usize {
             return fail("the tables of albedos have another size");
         }
-        if around.iter().any(|medium| medium.shape as usize >= self.order.len()) {
+        let is_shape = |medium: &CameraMedium| (medium.shape as usize) < self.order.len();
+        if !around.iter().all(|medium| is_shape(medium) || medium.shape == SHEETS | medium.material) {
             return fail("a medium around the camera is no shape");
         }
         Ok(())
@@ -403,6 +411,9 @@ impl SceneBuffers {
 
 /// Index of nothing: `Mesh.NONE` of the kernels.
 pub const NONE: u32 = u32::MAX;
+
+/// Bit of a [`CameraMedium::shape`] that stands for all that is of one material: `Body.SHEETS` of the kernels.
+pub const SHEETS: u32 = 1 << 31;
 
 /// Number of levels of the hierarchy in `range` of `nodes`, whose leaves must be in `leaves`: each node but the first
 /// has one parent, which stands before it.

@@ -48,6 +48,7 @@ pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets, review
         render: render(&file.render),
         camera: camera(&posed, projection.unwrap_or(STAND_IN)),
         environment: environment.unwrap_or(Environment::Constant(Vec3::ZERO)),
+        air: file.air.map(materials::medium),
         shapes: Vec::with_capacity(shapes.len()),
         entries: Vec::with_capacity(shapes.len()),
         materials,
@@ -70,6 +71,7 @@ pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets, review
         warnings.extend(sheets(&scene, shapes));
         warnings.extend(stillness(&file.camera, shapes, files));
         warnings.extend(darkness(&scene));
+        warnings.extend(endlessness(&scene));
     }
     (scene, warnings)
 }
@@ -236,6 +238,18 @@ fn sheet(shape: &Shape, material: &str) -> Fault {
         names::quoted(material)
     );
     Fault::key(steps!["shapes", shape.entry, kind], message)
+}
+
+/// A warning of air that no light from infinitely far away comes through.
+fn endlessness(scene: &Scene) -> Option<Fault> {
+    let air = scene.air?;
+    let comes_through = (air.absorption + air.scattering).min_element() <= 0.0;
+    if scene.environment.is_black() || comes_through {
+        return None;
+    }
+    let message = "[air] has no end, so no light of [environment] comes through it: for fog under a sky, give a large body a \
+                   material with a `medium` instead";
+    Some(Fault::value(steps!["air"], message))
 }
 
 /// A warning when the picture will be black.

@@ -3,6 +3,7 @@
 //! Doc comments of these types are the descriptions in the schema, so they speak to whoever writes a scene.
 
 mod keyframes;
+mod medium;
 mod principled;
 
 use std::fmt;
@@ -21,6 +22,7 @@ use crate::number::{
 use crate::scene::{Filter, Panorama, RenderSettings, Sampler};
 
 pub(crate) use keyframes::{KeyframeFile, Keyframes};
+pub(crate) use medium::{CoefficientFile, MediumFile};
 pub(crate) use principled::{
     AlphaModeFile, PrincipledFile, TextureFile, TextureFilterFile, TextureTable, WrapFile, WrapName,
 };
@@ -48,6 +50,8 @@ pub(crate) struct SceneFile {
     pub camera: CameraFile,
     /// Light from outside; absent: black.
     pub environment: Option<EnvironmentFile>,
+    /// Medium that fills the scene around all bodies, such as fog; absent: none.
+    pub air: Option<MediumFile>,
     /// Materials by name.
     #[serde(default)]
     pub materials: Materials,
@@ -167,10 +171,15 @@ pub(crate) struct EnvironmentFile {
     pub intensity: Option<Brightness>,
 }
 
-/// Way in which a surface reflects, transmits and emits light: `principled`, or any of the other keys.
+/// Way in which a surface reflects, transmits and emits light: `principled`, or any of the other keys; and what a body is
+/// filled with. A body of a `medium` alone has no surface.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(extend("if" = { "required": ["principled"] }, "then" = { "maxProperties": 1 }))]
+#[schemars(extend("if" = { "required": ["principled"] }, "then" = {
+    "propertyNames": { "enum": ["principled", "medium"] }
+}, "else" = { "if": { "required": ["medium"], "not": { "required": ["refractive_index"] } }, "then": {
+    "propertyNames": { "enum": ["medium", "priority"] }
+} }))]
 #[schemars(rename = "Material")]
 pub(crate) struct MaterialFile {
     /// Part of the light that is reflected, or transmitted; [0, 0, 0] by default when `emission_strength` is greater than 0.
@@ -193,7 +202,9 @@ pub(crate) struct MaterialFile {
     /// Priority among overlapping dielectrics: the higher one wins, and of equal ones the one entered last.
     #[schemars(extend("default" = 0))]
     pub priority: Option<Priority>,
-    /// A physically based material with glTF's names and meanings; no other key may stand beside it.
+    /// Medium that fills a body of the material, which refracts light by its `refractive_index`, or transmits it as `principled`; without either the body has no surface, as fog and smoke have none.
+    pub medium: Option<MediumFile>,
+    /// A physically based material with glTF's names and meanings; no other key may stand beside it but `medium`.
     pub principled: Option<PrincipledFile>,
 }
 

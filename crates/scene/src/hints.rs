@@ -11,6 +11,7 @@ type Foreign = &'static [(&'static [&'static str], &'static str)];
 const TOP: Foreign = &[
     (&["lights", "light", "lamps"], "a lamp is a shape whose material has an `emission_strength`"),
     (&["sky", "background", "world", "envmap"], "environment"),
+    (&["fog", "haze", "mist", "medium", "atmosphere", "volume"], "air"),
     (&["objects", "object", "geometry", "meshes", "models", "primitives"], "shapes"),
     (&["film", "settings", "image", "output", "sampler", "integrator"], "render"),
 ];
@@ -35,6 +36,16 @@ const RENDER: Foreign = &[
             "aov",
         ],
         "that is an option of `raggio render`, not a key of the scene",
+    ),
+];
+
+const MEDIUM: Foreign = &[
+    (&["sigmaa", "absorptioncoefficient"], "absorption"),
+    (&["sigmas", "scatteringcoefficient", "scatter"], "scattering"),
+    (&["g", "asymmetry", "phase", "phasefunction", "meancosine"], "anisotropy"),
+    (
+        &["density", "extinction", "sigmat", "attenuation", "albedo", "color", "meanfreepath", "radius"],
+        "a medium is what it loses per unit of length: `absorption` and `scattering`",
     ),
 ];
 
@@ -105,6 +116,7 @@ const MATERIAL: Foreign = &[
         &["type", "kind", "bsdf", "shader"],
         "a material's keys say what it is, such as `smoothness` or `refractive_index`",
     ),
+    (&["interior", "volume", "fog", "subsurface", "scattering", "absorption", "inside"], "medium"),
 ];
 
 const PRINCIPLED: Foreign = &[
@@ -218,6 +230,7 @@ fn foreign_to(path: &[Step]) -> Foreign {
         ["camera", "intrinsics"] => INTRINSICS,
         ["camera", "keyframes", _] => KEYFRAME,
         ["environment"] => ENVIRONMENT,
+        ["air"] | ["materials", _, "medium"] => MEDIUM,
         ["materials", _] => MATERIAL,
         ["materials", _, "principled"] => PRINCIPLED,
         ["materials", _, "principled", _] => TEXTURE,
@@ -257,8 +270,8 @@ mod tests {
 
     use super::*;
     use crate::file::{
-        BoxFile, CameraFile, EnvironmentFile, IntrinsicsFile, MaterialFile, MeshFile, PlaneFile, RectangleFile,
-        RenderFile, SceneFile, ShapeFile, SphereFile, TextureTable,
+        BoxFile, CameraFile, EnvironmentFile, IntrinsicsFile, MaterialFile, MediumFile, MeshFile, PlaneFile,
+        RectangleFile, RenderFile, SceneFile, ShapeFile, SphereFile, TextureTable,
     };
 
     /// Asserts that the table leads from keys that do not exist to keys that do.
@@ -283,6 +296,7 @@ mod tests {
         check::<CameraFile>(CAMERA);
         check::<IntrinsicsFile>(INTRINSICS);
         check::<EnvironmentFile>(ENVIRONMENT);
+        check::<MediumFile>(MEDIUM);
         check::<MaterialFile>(MATERIAL);
         check::<PrincipledFile>(PRINCIPLED);
         check::<TextureTable>(TEXTURE);

@@ -59,8 +59,8 @@ pub use raggio_models::{
     Texture, TextureFilter, Wrap,
 };
 pub use scene::{
-    Camera, Entry, Environment, Filter, Geometry, Integrator, Intrinsics, Material, Panorama, Placement, Projection,
-    Reflection, RenderSettings, Sampler, Scene, Shape, rotation,
+    Camera, Entry, Environment, Filter, Geometry, Integrator, Intrinsics, Material, Medium, Panorama, Placement,
+    Projection, Reflection, RenderSettings, Sampler, Scene, Shape, rotation,
 };
 pub use schema::schema;
 pub use showing::cameras;

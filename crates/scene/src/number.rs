@@ -79,6 +79,11 @@ fn ior(x: f64) -> Result<(), Rule> {
     require((1.0..=10.0).contains(&x), "must be between 1 and 10", advice)
 }
 
+fn asymmetry(x: f64) -> Result<(), Rule> {
+    let advice = "0 scatters to all sides alike, more goes forward, less goes back";
+    require((-0.999..=0.999).contains(&x), "must be between -0.999 and 0.999", advice)
+}
+
 fn field_of_view(x: f64) -> Result<(), Rule> {
     let in_range = x > 0.0 && x < 180.0;
     require(in_range, "must be greater than 0 and less than 180", "")?;
@@ -145,6 +150,8 @@ numbers! {
     Fraction, fraction, { "minimum": 0, "maximum": 1 };
     /// One component of a surface's colour.
     Reflectance, reflectance, { "minimum": 0, "maximum": 1 };
+    /// Mean cosine of the angle by which a medium scatters light.
+    Asymmetry, asymmetry, { "minimum": -0.999, "maximum": 0.999 };
     /// Refractive index relative to vacuum.
     RefractiveIndex, refractive_index, { "minimum": 0.1, "maximum": 10 };
     /// Refractive index of a principled material, relative to vacuum.

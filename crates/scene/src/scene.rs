@@ -19,6 +19,8 @@ pub struct Scene {
     pub camera: Camera,
     /// The light that comes from outside.
     pub environment: Environment,
+    /// Medium that fills the scene around all bodies.
+    pub air: Option<Medium>,
     /// Materials in the order of the file; after them those that came with models.
     pub materials: Vec<Material>,
     /// Shapes in the order of the file; a model may become many.
@@ -259,7 +261,18 @@ impl Environment {
     }
 }
 
-/// Reflection, transmission and emission of light at a surface.
+/// A homogeneous medium, which absorbs and scatters light on its way.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Medium {
+    /// Absorption coefficients of red, green and blue, per unit of length, 0 or more.
+    pub absorption: Vec3,
+    /// Scattering coefficients of red, green and blue, per unit of length, 0 or more.
+    pub scattering: Vec3,
+    /// Mean cosine of the angle by which light is scattered, the g of Henyey and Greenstein, -0.999 to 0.999.
+    pub anisotropy: f32,
+}
+
+/// Reflection, transmission and emission of light at a surface, and what is behind it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Name of the material, the key under `[materials]`.
@@ -280,6 +293,9 @@ pub struct Material {
     pub priority: i32,
     /// Principled material. If there is one, everything above but the name is without meaning.
     pub principled: Option<Arc<Principled>>,
+    /// Medium that fills bodies of the material. With neither a refractive index nor a principled material these have no
+    /// surface.
+    pub medium: Option<Medium>,
     /// Whether the material came with a model and is not in the scene file.
     pub imported: bool,
 }
@@ -297,6 +313,7 @@ impl Default for Material {
             reflection: Reflection::Fresnel,
             priority: 0,
             principled: None,
+            medium: None,
             imported: false,
         }
     }
@@ -311,12 +328,17 @@ impl Material {
         self.emission_strength > 0.0 && self.emission_color != Vec3::ZERO
     }
 
-    /// Whether light passes into the material's bodies, bent by a refractive index.
+    /// Whether light passes into the material's bodies, bent by a refractive index or, where they have no surface, not bent.
     pub fn is_dielectric(&self) -> bool {
         match &self.principled {
             Some(principled) => principled.transmission > 0.0 && !principled.thin_walled,
-            None => self.refractive_index.is_some(),
+            None => self.refractive_index.is_some() || self.medium.is_some(),
         }
+    }
+
+    /// Whether the material's bodies have no surface, but only a medium.
+    pub fn is_seamless(&self) -> bool {
+        self.principled.is_none() && self.refractive_index.is_none() && self.medium.is_some()
     }
 }
 

@@ -2,8 +2,8 @@
 
 use crate::common::{EXAMPLE, check_invariants, reference_scene};
 use raggio_scene::{
-    AlphaMode, Camera, Entry, Environment, Filter, Geometry, Integrator, Intrinsics, Material, Panorama, Principled,
-    Projection, Reflection, RenderSettings, Sampler, Scene, Shape, Vec3,
+    AlphaMode, Camera, Entry, Environment, Filter, Geometry, Integrator, Intrinsics, Material, Medium, Panorama,
+    Principled, Projection, Reflection, RenderSettings, Sampler, Scene, Shape, Vec3,
 };
 
 const HEAD: &str = "version = 1
@@ -36,6 +36,7 @@ fn the_example_with_every_key() {
             focus_distance: 4.0,
         },
         environment: Environment::Constant(Vec3::new(0.7, 0.8, 1.0)),
+        air: None,
         materials: vec![
             Material { color: Vec3::ONE, smoothness: 1.0, refractive_index: Some(1.5), ..material("glass") },
             material("matt white"),
@@ -48,6 +49,36 @@ fn the_example_with_every_key() {
     };
     assert_eq!(Scene::parse(EXAMPLE, "scene.toml").unwrap(), expected);
     check_invariants(&expected);
+}
+
+/// Media in the air, in bodies without a surface, and behind smooth and rough ones.
+#[test]
+fn media() {
+    let scene = parse(
+        "[air]\nabsorption = 0.5\n
+         [materials.fog]\nmedium = { scattering = [1, 2, 3], anisotropy = -0.25 }\npriority = -1\n
+         [materials.milk]\nrefractive_index = 1.33\n[materials.milk.medium]\nscattering = 2\nabsorption = [0, 0.5, 1]\n
+         [materials.wax]\nprincipled = { transmission = 1 }\nmedium = {}\n
+         [materials.clay]\n",
+    );
+    let medium = |absorption, scattering, anisotropy| Some(Medium { absorption, scattering, anisotropy });
+    assert_eq!(scene.air, medium(Vec3::splat(0.5), Vec3::ZERO, 0.0));
+    let media: Vec<_> = scene.materials.iter().map(|material| material.medium).collect();
+    let fog = medium(Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0), -0.25);
+    let milk = medium(Vec3::new(0.0, 0.5, 1.0), Vec3::splat(2.0), 0.0);
+    assert_eq!(media, [fog, milk, Some(Medium::default()), None]);
+    let properties = |of: fn(&Material) -> bool| scene.materials.iter().map(of).collect::<Vec<_>>();
+    assert_eq!(properties(Material::is_seamless), [true, false, false, false]);
+    assert_eq!(properties(Material::is_dielectric), [true, true, true, false]);
+    assert_eq!(scene.warnings.len(), 1, "{:?}", scene.warnings);
+    let endless = parse("[environment]\ncolor = [1, 1, 1]\n[air]\nabsorption = [0.1, 0.2, 0.3]\n");
+    assert_eq!(
+        endless.warnings,
+        [
+            "scene.toml:8:1: [air] has no end, so no light of [environment] comes through it: for fog under a sky, give a \
+          large body a material with a `medium` instead"
+        ]
+    );
 }
 
 fn lacquer() -> Principled {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use raggio_render::{Comparison, ToneMapper, View};
-use raggio_scene::{Camera, Environment, Geometry, Material, Placement, RenderSettings};
+use raggio_scene::{Camera, Environment, Geometry, Material, Medium, Placement, RenderSettings};
 
 use crate::look::Look;
 use crate::navigation::Preset;
@@ -102,6 +102,8 @@ pub enum Edit {
     Add(Geometry, usize),
     /// The sky.
     Environment(Environment),
+    /// Change of the medium that fills the scene, or with `None` its end.
+    Air(Option<Medium>),
     /// The camera that the scene's file names.
     Camera(Camera),
     /// The settings of the picture: size, depth and the like.

@@ -11,7 +11,7 @@ use raggio_tests::devices::{lacks, long};
 use raggio_tests::render::load;
 use raggio_tests::{Pcg, parse};
 
-use crate::determinism::scenes;
+use crate::determinism::scenes_of_processors;
 use crate::shapes::meshes::{ball, soup};
 
 const SAMPLES: u32 = 4;
@@ -82,7 +82,7 @@ fn film(options: CpuOptions, scene: &Scene, feature: Feature) -> Vec<FilmPixel> 
 
 #[test]
 fn all_walks_and_levels_make_one_picture() {
-    let scenes = scenes().into_iter().chain([("crowd", crowd())]);
+    let scenes = scenes_of_processors().into_iter().chain([("crowd", crowd())]);
     for (name, mut scene) in scenes {
         for (integrator, feature) in [
             (Integrator::Path, Feature::Radiance),

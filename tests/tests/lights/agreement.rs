@@ -350,6 +350,37 @@ fn sheets_hide_no_light() {
     });
 }
 
+/// Fog in a body without a surface, milk behind a smooth and wax behind a rough one, and a stage full of mist: a lamp of each
+/// kind shines into all of them, and through.
+#[test]
+fn every_light_through_media() {
+    let media = [
+        "medium = { scattering = [3, 1.5, 0.7], absorption = [0.1, 0.2, 0.4], anisotropy = 0.5 }",
+        "color = [1, 1, 1]\nrefractive_index = 1.33\nmedium = { scattering = [2, 3, 4], absorption = 0.3, anisotropy = -0.3 }",
+        "principled = { transmission = 1, roughness = 0.4, ior = 1.4 }\nmedium = { scattering = 4, absorption = [0.5, 1, 2] }",
+    ];
+    let mist = raggio_scene::Medium {
+        scattering: [0.05, 0.04, 0.03].into(),
+        absorption: [0.0, 0.01, 0.02].into(),
+        anisotropy: 0.7,
+    };
+    for_each_device(|device| {
+        let mut scenes = vec![];
+        for (number, (lamp, add)) in lamps().into_iter().enumerate() {
+            // Software Vulkan takes minutes to compile principled kernels: single pictures test them there.
+            if device.slow {
+                continue;
+            }
+            let order = [0, 1, 2].map(|body| media[(body + number) % media.len()]);
+            let mut scene = trio(order, add);
+            scenes.push((format!("media under {lamp}"), scene.clone()));
+            scene.air = Some(mist);
+            scenes.push((format!("media in mist under {lamp}"), scene));
+        }
+        assert_agree(&device, scenes, [256, 768]);
+    });
+}
+
 /// A diffuse ball lies in the middle of priorities: it and a lamp are inside water, in which a body of lower priority
 /// hides.
 #[test]

@@ -32,7 +32,8 @@ pub enum Target {
 /// Variants of the kernels that processors run for several paths at once: the ending of the names of their files, and the
 /// definitions for Slang.
 #[allow(dead_code)]
-pub const LANES: [(&str, &[&str]); 2] = [("lanes.spv", &[]), ("simple.lanes.spv", &["-DSIMPLE"])];
+pub const LANES: [(&str, &[&str]); 3] =
+    [("lanes.spv", &["-DNO_MEDIA"]), ("simple.lanes.spv", &["-DSIMPLE"]), ("media.lanes.spv", &[])];
 
 /// Files of the kernels that processors run for several paths at once; each has an entry point of its name.
 #[allow(dead_code)]

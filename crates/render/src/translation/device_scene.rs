@@ -10,7 +10,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use raggio_kernels::{
     BvhNode, CameraMedium, Light as DeviceLight, LightKind as DeviceLightKind, MAX_NESTED_MEDIA, Motion, NO_TEXTURE,
-    PixelFilter, SceneBuffers, SceneCounts, Sequence, Sky, Work,
+    PixelFilter, SHEETS, SceneBuffers, SceneCounts, Sequence, Sky, Work,
 };
 use raggio_scene::{
     Environment, Filter, Geometry, Light, LightKind, Mesh, RenderSettings, Sampler, Scene, Texture, Wrap,
@@ -79,8 +79,8 @@ impl DeviceScene {
         self.meshes.share(&mut self.buffers);
         self.textures.begin();
         self.buffers.constants_mut().sky = device_sky(&scene.environment, &mut self.textures)?;
-        let materials = Materials::new(&scene.materials, &mut self.textures)?;
-        let absorbing = materials.absorbing();
+        let materials = Materials::new(&scene.materials, scene.air.as_ref(), &mut self.textures)?;
+        let properties = [materials.absorbing(), materials.scattering(), materials.seamless()];
         self.buffers.materials = materials.materials.into();
         self.buffers.principled = materials.principled.into();
         (self.buffers.textures, self.buffers.texels) = self.textures.finish();
@@ -96,7 +96,7 @@ impl DeviceScene {
         self.buffers.order = Arc::new(self.shape_of_place.iter().map(|&i| references[i as usize]).collect());
         let counts = &mut self.buffers.constants_mut().counts;
         counts.lights = scene.lights.len() as u32;
-        counts.absorbing = u32::from(absorbing);
+        [counts.absorbing, counts.scattering, counts.seamless] = properties.map(u32::from);
         counts.clear = u32::from(scene.materials.iter().any(is_clear));
         self.lights.share(&mut self.buffers);
         self.set_view(scene)
@@ -183,16 +183,19 @@ fn meshes_of(scene: &Scene) -> Vec<Arc<Mesh>> {
     meshes.filter(|mesh| known.insert(Arc::as_ptr(mesh))).cloned().collect()
 }
 
-/// The dielectric bodies around the camera, outermost first.
+/// The bodies around the camera, outermost first: the air is one.
 fn camera_media(scene: &Scene, shape_of_place: &[u32]) -> Result<Vec<CameraMedium>, TranslationError> {
     let around = media_around(scene);
-    let (found, limit) = (around.len(), MAX_NESTED_MEDIA as usize);
+    // The last material is that of the air.
+    let air = scene.air.map(|_| scene.materials.len() as u32);
+    let air = air.map(|material| CameraMedium { shape: SHEETS | material, material });
+    let (found, limit) = (around.len() + usize::from(air.is_some()), MAX_NESTED_MEDIA as usize);
     if found > limit {
         return Err(TranslationError::TooManyMedia { found, limit });
     }
     let place = |shape: u32| shape_of_place.iter().position(|s| *s == shape).unwrap_or_default() as u32;
     let medium = |body: &Body| CameraMedium { shape: place(body.shape), material: body.material as u32 };
-    Ok(around.iter().map(medium).collect())
+    Ok(air.into_iter().chain(around.iter().map(medium)).collect())
 }
 
 fn work(render: &RenderSettings) -> Work {

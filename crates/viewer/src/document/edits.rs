@@ -1,6 +1,6 @@
 //! Edits that take the scene's plain data and touch only the keys whose values change.
 
-use raggio_scene::{Camera, Environment, Geometry, Material, Placement, RenderSettings, Scene};
+use raggio_scene::{Camera, Environment, Geometry, Material, Medium, Placement, RenderSettings, Scene};
 use toml_edit::{DocumentMut, InlineTable, Item, Table, Value};
 
 use super::error::item;
@@ -35,6 +35,9 @@ impl Document {
             let table = toml.get_mut("materials").and_then(|materials| tree::child(materials, &old.name));
             if let Some(table) = table {
                 tree::write_fields(table, &fields::material(old, new));
+                if let (Some(old), Some(new), Some(medium)) = (&old.medium, &new.medium, tree::child(table, "medium")) {
+                    tree::write_fields(medium, &fields::medium(old, new));
+                }
             }
             Ok(())
         })
@@ -124,6 +127,18 @@ impl Document {
         self.edit("environment", |toml, scene| {
             if *new != scene.environment {
                 write_section(toml, "environment", &fields::environment(&scene.environment, new));
+            }
+            Ok(())
+        })
+    }
+
+    /// Changes the medium that fills the scene, or with `None` takes it away.
+    pub fn set_air(&mut self, new: Option<&Medium>) -> Result<bool, EditError> {
+        self.edit("air", |toml, scene| {
+            match new {
+                None => drop(toml.remove("air")),
+                Some(new) if Some(new) == scene.air.as_ref() => {}
+                Some(new) => write_section(toml, "air", &fields::medium(&scene.air.unwrap_or_default(), new)),
             }
             Ok(())
         })

@@ -2,7 +2,8 @@
 //! means.
 
 use raggio_scene::{
-    Camera, Environment, Geometry, Intrinsics, Material, Placement, Projection, Reflection, RenderSettings, Vec3,
+    Camera, Environment, Geometry, Intrinsics, Material, Medium, Placement, Projection, Reflection, RenderSettings,
+    Vec3,
 };
 
 use crate::navigation::view_distance;
@@ -18,6 +19,7 @@ pub(super) enum Datum {
     Word(&'static str),
     Flag(bool),
     Intrinsics(Intrinsics),
+    Medium(Medium),
 }
 
 /// One key of a table. It is written when it is there and `new` differs from `old`, or when it is not there and `new`
@@ -82,6 +84,23 @@ pub(super) fn material(old: &Material, new: &Material) -> Vec<Field> {
             Reflection::Probability(probability) => Number(probability),
         }),
         field("priority", old, new, Whole(0), |it| Whole(it.priority.into())),
+        // One that stays is changed key by key.
+        field("medium", old, new, Absent, |it| match (it.medium, old.medium, new.medium) {
+            (None, ..) => Absent,
+            (Some(_), Some(kept), Some(_)) => Datum::Medium(kept),
+            (Some(medium), ..) => Datum::Medium(medium),
+        }),
+    ]
+}
+
+/// The keys of a medium.
+pub(super) fn medium(old: &Medium, new: &Medium) -> Vec<Field> {
+    use Datum::{Number, Vector};
+    let coefficient = |it: Vec3| if it == Vec3::splat(it.x) { Number(it.x) } else { Vector(it) };
+    vec![
+        field("absorption", old, new, Number(0.0), |it| coefficient(it.absorption)),
+        field("scattering", old, new, Number(0.0), |it| coefficient(it.scattering)),
+        field("anisotropy", old, new, Number(0.0), |it| Number(it.anisotropy)),
     ]
 }
 

@@ -1,7 +1,8 @@
-//! Editor of the scene: shapes, materials, sky.
+//! Editor of the scene: shapes, materials, sky, air.
 
 mod geometry;
 mod material;
+mod medium;
 mod sky;
 
 use std::path::Path;
@@ -53,6 +54,8 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Ve
     }
     ui.separator();
     sky::show(ui, scene, commands);
+    ui.separator();
+    medium::show_air(ui, scene, commands);
 }
 
 /// Draws the button that goes to the selected shape and returns whether it was clicked; a plane is everywhere, so that

@@ -14,6 +14,7 @@ impl Viewer {
             Edit::Material(index, _) => self.document.begin_gesture(&format!("material {index}")),
             Edit::Shape(index, ..) | Edit::Model(index, ..) => self.document.begin_gesture(&format!("shape {index}")),
             Edit::Environment(_) => self.document.begin_gesture("environment"),
+            Edit::Air(_) => self.document.begin_gesture("air"),
             Edit::Render(_) => self.document.begin_gesture("render"),
             _ => self.document.end_gesture(),
         }
@@ -42,6 +43,7 @@ impl Viewer {
                     true
                 }
                 Edit::Environment(environment) => document.set_environment(&environment)?,
+                Edit::Air(air) => document.set_air(air.as_ref())?,
                 Edit::Camera(camera) => document.set_camera(&camera)?,
                 Edit::Render(settings) => document.set_render(&settings)?,
                 Edit::Key(key, value) => document.edit_path(&key, &value)?,

@@ -5,6 +5,7 @@ use raggio_scene::{Geometry, Material, Principled, Reflection, Scene, Texture};
 
 use crate::command::{Command, Edit};
 use crate::panel::controls::{color, number, row, table};
+use crate::panel::scene::medium::medium;
 
 /// Refractive index of a new dielectric, that of glass.
 const GLASS: f32 = 1.5;
@@ -111,6 +112,12 @@ fn summary(ui: &mut Ui, id: &str, surface: &Principled) {
 }
 
 fn fields(ui: &mut Ui, material: &mut Material) {
+    if material.is_seamless() {
+        // A body without a surface has nothing else.
+        medium(ui, &mut material.medium, false);
+        row(ui, "priority", |ui| ui.add(DragValue::new(&mut material.priority).speed(0.1)));
+        return;
+    }
     row(ui, "color", |ui| color(ui, &mut material.color));
     row(ui, "emission", |ui| {
         ui.horizontal(|ui| {
@@ -136,12 +143,15 @@ fn fields(ui: &mut Ui, material: &mut Material) {
             changed |= ui.add_enabled_ui(dielectric, |ui| number(ui, &mut value, 0.005, 0.1..=10.0).changed()).inner;
             if changed {
                 material.refractive_index = dielectric.then_some(value);
+                // What lets no light in has nothing in it.
+                material.medium = material.medium.filter(|_| dielectric);
             }
         });
     });
     if dielectric {
         row(ui, "reflection", |ui| reflection(ui, &mut material.reflection));
         row(ui, "priority", |ui| ui.add(DragValue::new(&mut material.priority).speed(0.1)));
+        medium(ui, &mut material.medium, true);
     }
 }
 
