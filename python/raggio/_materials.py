@@ -10,7 +10,8 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-Color = Sequence[float] | npt.NDArray[Any]
+#: Linear red, green and blue; or sRGB, as "#rrggbb" or as {"srgb": (red, green, blue)} with numbers from 0 to 1.
+Color = Sequence[float] | npt.NDArray[Any] | str | Mapping[Literal["srgb"], Sequence[float]]
 #: An image by its path, or as an array (height, width, 3 or 4): bytes are as image files store them, floats are
 #: linear.
 ImageLike = str | PathLike[str] | npt.NDArray[Any]
@@ -49,8 +50,9 @@ class Texture(_Table):
 
     #: The image; or give ``checker``.
     image: ImageLike | None = None
-    #: Two linear colours of a checkerboard whose fields have the side 1 in texture coordinates.
-    checker: tuple[Color, Color] | None = None
+    #: Two to sixteen colours that take turns along both sides of a checkerboard whose fields have the side 1 in texture
+    #: coordinates. With 0 in ``scale`` fields become stripes.
+    checker: Sequence[Color] | None = None
     #: Offset added to the texture coordinates, last.
     offset: Sequence[float] | None = None
     #: Angle by which texture coordinates are turned.
@@ -70,7 +72,7 @@ TextureLike = ImageLike | Texture
 class Material(_Table):
     """A diffuse or mirroring surface, glass, or a lamp. What is ``None`` has the default of the scene file.
 
-    Colours are linear red, green and blue, 0 to 1.
+    Colours are linear red, green and blue, 0 to 1, or sRGB: ``"#ff8800"``, or ``{"srgb": (1, 0.5, 0)}``.
     """
 
     #: Part of the light that is reflected, or transmitted; [0.8, 0.8, 0.8] by default, and 0 for lamps.

@@ -339,7 +339,7 @@ fn the_demo_writes_the_showcase() {
 #[test]
 fn every_scene_of_the_project_passes_its_check() {
     let mut checked = 0;
-    for folder in ["scenes", "scenes/notes", "scenes/reference"] {
+    for folder in ["scenes", "scenes/guide", "scenes/notes", "scenes/reference"] {
         for entry in std::fs::read_dir(project_file(folder)).expect("the scenes") {
             let path = entry.expect("an entry").path();
             if path.extension().is_some_and(|e| e == "toml") {

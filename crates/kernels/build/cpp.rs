@@ -456,7 +456,7 @@ pub fn write_table(levels: &[Level], entry_points: &[String], out: &Path) -> Res
         text,
         "\n/// Words behind the parameters of the kernels in which hand-written code finds its `Traversal`, and its `Counts`.\nconst TRAVERSAL_WORD: usize = {TRAVERSAL_WORD};\nconst COUNTS_WORD: usize = {COUNTS_WORD};"
     );
-    text += "\n/// Function for `entry`, of those that know of principled materials and lights without size or, if `simple`, need not.\n\
+    text += "\n/// Function for `entry`, of those that know of principled materials and lights that are no surfaces or, if `simple`, need not.\n\
              fn entry_point(set: InstructionSet, entry: EntryPoint, simple: bool) -> Option<Kernel> {\n    match (set, entry, simple) {\n";
     text += &choices;
     text += "        #[allow(unreachable_patterns)]\n        _ => None,\n    }\n}\n";

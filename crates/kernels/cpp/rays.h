@@ -18,7 +18,7 @@ namespace raggio {
 constexpr uint32_t NOTHING = 0xffffffffu;
 
 /// Word of `Traversal` that is not 0 where what rays read is in no cache near by: then they take turns.
-constexpr uint32_t IN_TURN_WORD = 8;
+constexpr uint32_t IN_TURN_WORD = 9;
 
 struct TracedRay {
     float origin[3];

@@ -18,7 +18,7 @@ pub use specialization::Specialization;
 /// Knowledge that kernels have of a scene; they are fastest that know least.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Variant {
-    /// Whether kernels know neither principled materials nor lights without size: `kernels/variant.slang`.
+    /// Whether kernels know neither principled materials nor lights that are no surfaces: `kernels/variant.slang`.
     pub simple: bool,
     /// Whether kernels take lists of any length: `kernels/lists.slang`. The scene is not storage buffers then but one
     /// uniform buffer at binding 0, with the addresses of the lists in the order of [`SCENE_BINDINGS`], which takes
@@ -27,7 +27,7 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// Variant for scenes without principled materials and lights without size.
+    /// Variant for scenes without principled materials and lights that are no surfaces.
     pub const SIMPLE: Self = Self { simple: true, wide: false };
     /// All variants, in the order of their [indices](Self::index).
     pub const ALL: [Self; 4] = [

@@ -5,6 +5,7 @@ mod materials;
 mod shapes;
 
 use std::collections::HashSet;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -86,7 +87,9 @@ impl DeviceScene {
         (self.buffers.textures, self.buffers.texels) = self.textures.finish();
         self.buffers.albedos = albedos();
         self.buffers.motion = vec![Motion::default()].into();
-        self.buffers.lights = Arc::new(scene.lights.iter().map(device_light).collect());
+        let (suns, points) = lights(&scene.lights);
+        let (sun_count, point_count) = (suns.len() as u32, points.len() as u32);
+        self.buffers.lights = Arc::new([points, suns].concat());
         let mut shapes = Shapes::new(&scene.materials);
         let references: Vec<_> = scene.shapes.iter().map(|shape| shapes.add(shape, &self.meshes)).collect();
         shapes.share(&mut self.buffers);
@@ -95,7 +98,8 @@ impl DeviceScene {
         self.arrange(&boxes, &old.nodes);
         self.buffers.order = Arc::new(self.shape_of_place.iter().map(|&i| references[i as usize]).collect());
         let counts = &mut self.buffers.constants_mut().counts;
-        counts.lights = scene.lights.len() as u32;
+        counts.lights = point_count;
+        counts.suns = sun_count;
         counts.absorbing = u32::from(absorbing);
         counts.clear = u32::from(scene.materials.iter().any(is_clear));
         self.lights.share(&mut self.buffers);
@@ -240,11 +244,28 @@ fn device_sky(environment: &Environment, textures: &mut TextureTable) -> Result<
     })
 }
 
+/// Suns that shine, and lights without size.
+fn lights(lights: &[Light]) -> (Vec<DeviceLight>, Vec<DeviceLight>) {
+    let lights = lights.iter().map(device_light);
+    let is_sun = |light: &DeviceLight| light.kind == DeviceLightKind::Sun as u32;
+    let (suns, points): (Vec<_>, Vec<_>) = lights.partition(is_sun);
+    // Each sun has its emitter, which a light of no power has not.
+    (suns.into_iter().filter(|sun| sun.intensity != [0.0; 3]).collect(), points)
+}
+
 fn device_light(light: &Light) -> DeviceLight {
     // KHR_lights_punctual: how a spot fades between its two angles.
+    let mut intensity = light.intensity;
     let (kind, angle_scale, angle_offset) = match light.kind {
         LightKind::Directional => (DeviceLightKind::Directional, 0.0, 1.0),
         LightKind::Point => (DeviceLightKind::Point, 0.0, 1.0),
+        LightKind::Sun { half_angle } => {
+            let half_angle = f64::from(half_angle);
+            // A disk of the radiance 1 causes the irradiance pi sin^2 on what faces it.
+            let disk = PI * half_angle.sin().powi(2);
+            intensity = intensity.map(|component| (f64::from(component) / disk) as f32);
+            (DeviceLightKind::Sun, 0.0, (2.0 * (0.5 * half_angle).sin().powi(2)) as f32)
+        }
         LightKind::Spot { inner, outer } => {
             let (inner, outer) = (f64::from(inner).cos(), f64::from(outer).cos());
             // Equal angles are a hard edge.
@@ -257,7 +278,7 @@ fn device_light(light: &Light) -> DeviceLight {
         kind: kind as u32,
         direction: light.direction.as_vec3().to_array(),
         angle_scale,
-        intensity: light.intensity,
+        intensity,
         angle_offset,
     }
 }

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::principled::principled;
 use super::{Files, vec3};
 use crate::fault::{Fault, steps};
-use crate::file::{MaterialFile, Materials, ReflectionFile};
+use crate::file::{Color, MaterialFile, Materials, ReflectionFile};
 use crate::names;
 use crate::number::BRIGHTEST;
 use crate::scene::{Material, Reflection};
@@ -56,7 +56,7 @@ fn strength(file: &MaterialFile) -> f64 {
 }
 
 fn refuse_too_bright(name: &str, file: &MaterialFile) -> Result<(), Fault> {
-    let color = file.emission_color.map_or([1.0; 3], |color| color.map(f64::from));
+    let color = file.emission_color.map_or([1.0; 3], Color::linear);
     if color.into_iter().fold(0.0, f64::max) * strength(file) <= BRIGHTEST {
         return Ok(());
     }
@@ -84,8 +84,8 @@ fn material(name: &str, file: &MaterialFile) -> Material {
     let default_color = if strength > 0.0 { 0.0 } else { 0.8 };
     Material {
         name: name.to_string(),
-        color: file.color.map_or(Vec3::splat(default_color), vec3),
-        emission_color: file.emission_color.map_or(Vec3::ONE, vec3),
+        color: file.color.map_or(Vec3::splat(default_color), |color| vec3(color.0)),
+        emission_color: file.emission_color.map_or(Vec3::ONE, |color| vec3(color.0)),
         emission_strength: strength as f32,
         smoothness: file.smoothness.map_or(0.0, |smoothness| smoothness.0 as f32),
         refractive_index: file.refractive_index.map(|index| index.0 as f32),

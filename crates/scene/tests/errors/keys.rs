@@ -59,7 +59,7 @@ position = [0, 1, 4]
 look_at = [0, 1, 0]
 vertical_fov_degrees = 40
 ",
-        "scene.toml:2:1: unknown key `banana` at the top level of the scene: choose from `version`, `render`, `camera`, `environment`, `materials` and `shapes`",
+        "scene.toml:2:1: unknown key `banana` at the top level of the scene: choose from `version`, `render`, `camera`, `environment`, `lights`, `materials`, `groups` and `shapes`",
     ),
     (
         "in a shape",

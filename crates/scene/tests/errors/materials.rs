@@ -51,7 +51,7 @@ vertical_fov_degrees = 40
 [materials.red]
 color = "red"
 "#,
-        "scene.toml:7:9: `color` in [materials.red] must be a list of 3 numbers, not a string",
+        "scene.toml:7:9: `color` in [materials.red] must be a colour, not `\"red\"`: write `\"#rrggbb\"`, three pairs of hexadecimal digits, or `\"#rgb\"`",
     ),
     (
         "negative emission color",

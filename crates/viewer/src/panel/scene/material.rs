@@ -1,7 +1,7 @@
 //! Editor of a shape's material.
 
 use egui::{ComboBox, DragValue, Slider, SliderClamping, Ui};
-use raggio_scene::{Geometry, Material, Principled, Reflection, Scene, Texture};
+use raggio_scene::{Contents, Geometry, Material, Principled, Reflection, Scene, Texture};
 
 use crate::command::{Command, Edit};
 use crate::panel::controls::{color, number, row, table};
@@ -15,7 +15,7 @@ pub fn show(ui: &mut Ui, scene: &Scene, shape: usize, commands: &mut Vec<Command
     let mut chosen = current;
     ui.horizontal(|ui| {
         ui.strong("material");
-        choice(ui, scene, scene.entries[shape].placement.is_some(), &mut chosen);
+        choice(ui, scene, scene.entries[shape].geometry().is_none(), &mut chosen);
         // A copy of any other kind would have to be written by hand.
         let plain = current.is_some_and(|index| scene.materials[index].principled.is_none());
         let button = ui.add_enabled(plain, egui::Button::new("New"));
@@ -40,11 +40,11 @@ pub fn show(ui: &mut Ui, scene: &Scene, shape: usize, commands: &mut Vec<Command
 
 const ITS_OWN: &str = "its own";
 
-/// Draws the choice of a material of the scene's file; a model may have its own instead.
-fn choice(ui: &mut Ui, scene: &Scene, is_model: bool, chosen: &mut Option<usize>) {
+/// Draws the choice of a material of the scene's file; a model or a group may have its own instead.
+fn choice(ui: &mut Ui, scene: &Scene, may_have_own: bool, chosen: &mut Option<usize>) {
     let name = chosen.map_or(ITS_OWN, |index| &scene.materials[index].name);
     ComboBox::from_id_salt("material").selected_text(name).show_ui(ui, |ui| {
-        if is_model {
+        if may_have_own {
             ui.selectable_value(chosen, None, ITS_OWN);
         }
         for (index, material) in scene.materials.iter().enumerate().filter(|(_, material)| !material.imported) {
@@ -54,14 +54,11 @@ fn choice(ui: &mut Ui, scene: &Scene, is_model: bool, chosen: &mut Option<usize>
 }
 
 fn painted(scene: &Scene, shape: usize, material: Option<usize>) -> Option<Edit> {
-    match (&scene.entries[shape].placement, material) {
-        (Some(placement), material) => Some(Edit::Model(shape, placement.clone(), material)),
-        (None, Some(material)) => {
-            let geometry = scene.shapes_of(shape).first()?.geometry.clone();
-            Some(Edit::Shape(shape, geometry, material))
-        }
-        (None, None) => None,
-    }
+    Some(match &scene.entries[shape].contents {
+        Contents::Model(placement) => Edit::Model(shape, placement.clone(), material),
+        Contents::Group(_) => Edit::Group(shape, material),
+        Contents::Geometry(geometry) => Edit::Shape(shape, geometry.clone(), material?),
+    })
 }
 
 /// Draws a model's own materials, which come with its file, and are changed there.
