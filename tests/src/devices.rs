@@ -2,7 +2,9 @@
 
 use std::sync::OnceLock;
 
-use raggio_render::{Answer, Device, DeviceChoice, DeviceScene, OpenOptions, Probe, Question, open};
+use raggio_render::{
+    Answer, Device, DeviceChoice, DeviceError, DeviceScene, OpenOptions, Probe, Question, Tracer, open,
+};
 use raggio_scene::{Integrator, Scene};
 
 /// A device under test.
@@ -64,10 +66,8 @@ const PROBES_AT_ONCE: usize = 1 << 18;
 pub fn for_each_device(test: impl Fn(TestDevice)) {
     test(TestDevice { label: "cpu", slow: false, device: cpu() });
     let Some(device) = vulkan() else { return };
-    let slow = device.vulkan().is_some_and(|context| context.physical().kind.name() == "software");
-    test(TestDevice { label: "vulkan", slow, device });
-    let messages = device.validation_messages();
-    assert!(messages.is_empty(), "Vulkan's validation layers complain:\n{}", messages.join("\n"));
+    test(TestDevice { label: "vulkan", slow: is_software(device), device });
+    assert_valid(device);
 }
 
 /// Runs `test` on each device with each integrator, which is set in the scene that the test gets.
@@ -85,7 +85,7 @@ pub fn cpu() -> &'static dyn Device {
     &**CPU.get_or_init(|| open(DeviceChoice::Cpu, OpenOptions::default(), |_| ()).expect("the CPU is always there"))
 }
 
-/// Best Vulkan device, with validation; `None` where there is none.
+/// Best Vulkan device, with validation, its rays traced by software as everywhere; `None` where there is none.
 ///
 /// # Panics
 /// If there is none and `RAGGIO_TEST_EVERYTHING=1` says that there has to be one.
@@ -105,12 +105,43 @@ pub fn open_specialised_vulkan() -> Option<Box<dyn Device>> {
 }
 
 fn open_vulkan_with(general_in_software: bool) -> Option<Box<dyn Device>> {
-    let options = OpenOptions { validate: true, general_in_software, ..OpenOptions::default() };
-    match open(DeviceChoice::Vulkan(None), options, |_| ()) {
-        Ok(device) => Some(device),
-        Err(error) => {
-            lacks(&format!("Vulkan cannot be used: {error}"));
-            None
-        }
-    }
+    let device = open_traced_by(Tracer::Software, general_in_software);
+    device.map_err(|error| lacks(&format!("Vulkan cannot be used: {error}"))).ok()
+}
+
+/// Best Vulkan device whose hardware, or what passes for it, traces the rays, with validation; `None` where there is none.
+///
+/// # Panics
+/// If there is none and `RAGGIO_TEST_EVERYTHING=1` says that there has to be one: `scripts/setup.sh --tests` installs Mesa 25,
+/// whose software Vulkan answers ray queries.
+pub fn hardware() -> Option<TestDevice> {
+    static HARDWARE: OnceLock<Option<Box<dyn Device>>> = OnceLock::new();
+    let device = HARDWARE.get_or_init(open_hardware).as_deref()?;
+    Some(TestDevice { label: "hardware", slow: is_software(device), device })
+}
+
+/// Opens the device of [`hardware`] once more, for tests that change it.
+pub fn open_hardware() -> Option<Box<dyn Device>> {
+    let without = |error| {
+        lacks(&format!(
+            "no device here answers ray queries: {error}. `make setup-tests` installs Mesa 25 where it can, whose lavapipe does"
+        ))
+    };
+    open_traced_by(Tracer::Hardware, true).map_err(without).ok()
+}
+
+fn open_traced_by(tracer: Tracer, general_in_software: bool) -> Result<Box<dyn Device>, DeviceError> {
+    let options = OpenOptions { tracer, validate: true, general_in_software, ..OpenOptions::default() };
+    open(DeviceChoice::Vulkan(None), options, |_| ())
+}
+
+/// Fails if Vulkan's validation layers have a message for `device`.
+#[track_caller]
+pub fn assert_valid(device: &dyn Device) {
+    let messages = device.validation_messages();
+    assert!(messages.is_empty(), "Vulkan's validation layers complain:\n{}", messages.join("\n"));
+}
+
+fn is_software(device: &dyn Device) -> bool {
+    device.vulkan().is_some_and(|context| context.physical().kind.name() == "software")
 }

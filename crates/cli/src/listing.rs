@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use raggio_render::{Denoiser, DeviceScene};
+use raggio_render::{Denoiser, DeviceScene, Tracer};
 use raggio_scene::{AssetOptions, Assets, Counts, Scene, counted, display_name, is_model};
 
 use crate::error::Failure;
@@ -16,7 +16,11 @@ pub fn devices() -> Result<(), Failure> {
     let driver_width = width(&|i| devices[i].driver.len());
     for device in &devices {
         let state = if device.missing.is_empty() {
-            "ready".into()
+            let more = match (device.has_ray_queries, device.tracer) {
+                (true, Tracer::Software) => ", by ray queries with --tracer hardware",
+                _ => "",
+            };
+            format!("ready, traces rays by {}{more}", device.tracer)
         } else {
             format!("cannot be used: lacks {}", device.missing.join(", "))
         };

@@ -1,6 +1,6 @@
 use std::time::Instant;
 
-use raggio_render::{Development, OutputFile, Preparation, Rendered};
+use raggio_render::{Development, OutputFile, Preparation, Rendered, Tracer};
 use raggio_scene::RenderSettings;
 use serde_json::json;
 
@@ -50,6 +50,7 @@ impl Stats<'_> {
         let stats = json!({
             "device": self.device,
             "denoiser": self.written.denoiser,
+            "tracer": self.rendered.tracer.map(Tracer::name),
             "width": film.width(),
             "height": film.height(),
             "samples_per_pixel": film.sample_range().0,

@@ -166,7 +166,7 @@ pub enum Walk {
     Wide,
     /// Through nodes of eight children, in turn whatever the size of the scene.
     InTurn,
-    /// Through binary nodes, as on other devices: `kernels/tracing.slang`.
+    /// Through binary nodes, as on other devices: `kernels/walk.slang`.
     Portable,
 }
 
@@ -299,7 +299,8 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
         scene.check_level(set);
     }
     let simple = scene.is_some_and(|scene| scene.buffers.is_simple());
-    let kernel = entry_point(set, entry, simple).expect("this build has kernels for every level it lists");
+    let media = scene.is_some_and(|scene| scene.buffers.has_media());
+    let kernel = entry_point(set, entry, simple, media).expect("this build has kernels for every level it lists");
     let first = work.first_row.checked_sub(work.band_row).expect("the work begins inside its band");
     let pixels = work.width as usize * (first as usize + work.rows as usize);
     let large_enough = match entry {

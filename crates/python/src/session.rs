@@ -7,7 +7,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use raggio_render::{Aov, Denoiser, Gpu, Observer, Progress, RenderRequest, Rendered, Rendering, Stop, gpu_of};
+use raggio_render::{
+    Aov, Denoiser, DeviceInfo, Gpu, Observer, Progress, RenderRequest, Rendered, Rendering, Stop, gpu_of,
+};
 use raggio_scene::{Camera, Integrator, Scene};
 
 #[cfg(target_os = "linux")]
@@ -72,7 +74,7 @@ impl Session {
     /// Brings a scene to a device.
     #[new]
     #[pyo3(signature = (
-        scene, *, name, camera, time, size, samples, seed, max_depth, alpha, noise, time_limit, device, threads, aovs,
+        scene, *, name, camera, time, size, samples, seed, max_depth, alpha, noise, time_limit, device, tracer, threads, aovs,
         denoise, label=false, integrator=None
     ))]
     #[allow(clippy::too_many_arguments, reason = "all but one are named")]
@@ -90,6 +92,7 @@ impl Session {
         noise: Option<f32>,
         time_limit: Option<f32>,
         device: String,
+        tracer: String,
         threads: usize,
         aovs: Vec<String>,
         denoise: bool,
@@ -107,7 +110,7 @@ impl Session {
             let denoiser = if denoise { Some(Denoiser::open().map_err(denoise_error)?) } else { None };
             let warnings = Mutex::new(vec![]);
             let warn = |warning: &str| warnings.lock().unwrap_or_else(PoisonError::into_inner).push(warning.to_owned());
-            let device = host::device(&device, threads, warn)?;
+            let device = host::device(&device, &tracer, threads, warn)?;
             let warnings = warnings.into_inner().unwrap_or_else(PoisonError::into_inner);
             let device_name = device.name();
             let inner = on_threads(|| {
@@ -369,17 +372,19 @@ pub fn metadata(
     })
 }
 
-/// Lines of the devices of this machine: word, name, kind, driver, memory in bytes, what is missing; and why there is no
-/// Vulkan, if there is none.
+/// Lines of the devices of this machine: word, name, kind, driver, memory in bytes, what is missing, whether there are ray
+/// queries, the tracer; and why there is no Vulkan, if there is none.
 #[pyfunction]
 #[allow(clippy::type_complexity, reason = "a row of a table")]
 pub fn devices(
     py: Python<'_>,
-) -> PyResult<(Vec<(String, String, &'static str, String, Option<u64>, Vec<String>)>, Option<String>)> {
+) -> PyResult<(Vec<(String, String, &'static str, String, Option<u64>, Vec<String>, bool, &'static str)>, Option<String>)>
+{
     guarded(py, || {
         let (found, error) = raggio_render::devices();
-        let line = |info: raggio_render::DeviceInfo| {
-            (info.id, info.name, info.kind, info.driver, info.memory_bytes, info.missing)
+        let line = |info: DeviceInfo| {
+            let DeviceInfo { id, name, kind, driver, memory_bytes, missing, has_ray_queries, tracer } = info;
+            (id, name, kind, driver, memory_bytes, missing, has_ray_queries, tracer.name())
         };
         Ok((found.into_iter().map(line).collect(), error.map(|error| error.to_string())))
     })

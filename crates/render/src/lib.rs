@@ -24,6 +24,7 @@ pub use devices::device::{Answer, Device, DeviceError, DeviceInfo, Question, Ses
 pub use devices::group::DeviceGroup;
 pub use devices::kept::cache_folder;
 pub use devices::machine::{TooLarge, check_memory, memory_bytes, peak_memory_bytes, total_memory_bytes};
+pub use devices::tracer::Tracer;
 pub use devices::vulkan::VulkanDevice;
 pub use frames::{FrameRate, Frames, Pattern};
 pub use pictures::aov::{Aov, Channel, Features, Values};

@@ -17,6 +17,7 @@ use raggio_scene::Scene;
 use crate::checkpoint::{CheckpointError, Checkpoints, Every, Gathered, Keeper, SamplingState};
 use crate::devices::device::{Device, DeviceError};
 use crate::devices::machine::TooLarge;
+use crate::devices::tracer::Tracer;
 use crate::pictures::aov::Features;
 use crate::pictures::film::{Film, Portion};
 use crate::pictures::image_file::Extras;
@@ -68,6 +69,9 @@ pub struct Rendered {
     pub preparation: Preparation,
     /// Time that went by after the last sample.
     pub development: Development,
+    /// Who has found what rays met, [`Tracer::Software`] or [`Tracer::Hardware`]; `None` where devices that shared the picture
+    /// differ.
+    pub tracer: Option<Tracer>,
     /// Whether every pixel has all samples that were asked for.
     pub finished: bool,
     /// Error of the device that ended the render early; layers and guides are missing then.
@@ -458,6 +462,7 @@ impl Rendering {
             progress,
             preparation: self.preparation,
             development: Development { film_seconds: 0.0, layers_seconds: start.elapsed().as_secs_f64() },
+            tracer: self.renderer.session().tracer(),
             finished,
             failure,
             checkpoint,

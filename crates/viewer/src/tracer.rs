@@ -258,16 +258,10 @@ impl Tracer {
         self.awaits_kernels
     }
 
-    /// Spends about `seconds` on samples, with no more patience.
-    #[cfg(test)]
-    pub fn trace(&mut self, seconds: f64) -> Result<(), ViewError> {
-        self.trace_whole(seconds, seconds)
-    }
-
     /// Spends about `seconds` on samples. A film that is new gets a whole sample, whatever time that takes: each change
-    /// is to be seen before the next one. It is of as fine a resolution as `patience`, in seconds and no less, allows for that
-    /// sample. Frames go on without samples while a driver compiles kernels.
-    pub fn trace_whole(&mut self, seconds: f64, patience: f64) -> Result<(), ViewError> {
+    /// is to be seen before the next one. Frames go on without samples while a driver compiles kernels.
+    /// Films are of as fine a resolution as `patience`, in seconds and no less, allows for their first sample.
+    pub fn trace(&mut self, seconds: f64, patience: f64) -> Result<(), ViewError> {
         let start = Instant::now();
         let session = self.renderer.session();
         self.awaits_kernels = self.is_patient && !session.is_prepared();

@@ -18,6 +18,8 @@ pub enum Location {
     Upload,
     /// Memory that the device copies to and the host reads.
     Readback,
+    /// The device's memory, for structures that hardware traces rays by.
+    Structure,
 }
 
 /// A run of bytes that kernels and copies can use.
@@ -38,7 +40,8 @@ impl Buffer {
     /// larger than the device takes is an error.
     pub fn new(device: &Arc<Device>, what: &str, size: u64, location: Location) -> Result<Self, VulkanError> {
         // A buffer that cannot be reached by address is reached by a descriptor.
-        let addressed = location == Location::Device && device.physical.addresses;
+        let on_device = matches!(location, Location::Device | Location::Structure);
+        let addressed = on_device && device.physical.addresses;
         let limit = match location {
             Location::Device if !addressed => device.max_binding_bytes(),
             _ => device.physical.max_buffer_size,
@@ -46,7 +49,14 @@ impl Buffer {
         if size > limit {
             return Err(device.too_large(what, size, limit));
         }
-        let mut buffer = Self::create(device, what, size, addressed, vk::BufferCreateInfo::default())?;
+        let traced = if location == Location::Structure {
+            vk::BufferUsageFlags::ACCELERATION_STRUCTURE_STORAGE_KHR
+        } else if addressed && device.has_ray_queries() {
+            vk::BufferUsageFlags::ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_KHR
+        } else {
+            vk::BufferUsageFlags::empty()
+        };
+        let mut buffer = Self::create(device, what, size, addressed, vk::BufferCreateInfo::default().usage(traced))?;
         let raw = buffer.raw;
 
         // SAFETY: `raw` was just created from this device.
@@ -58,7 +68,7 @@ impl Buffer {
                 name: what,
                 requirements,
                 location: match location {
-                    Location::Device => MemoryLocation::GpuOnly,
+                    Location::Device | Location::Structure => MemoryLocation::GpuOnly,
                     Location::Upload => MemoryLocation::CpuToGpu,
                     Location::Readback => MemoryLocation::GpuToCpu,
                 },
@@ -114,7 +124,8 @@ impl Buffer {
         addressed: bool,
         info: vk::BufferCreateInfo<'_>,
     ) -> Result<Self, VulkanError> {
-        let mut usage = vk::BufferUsageFlags::STORAGE_BUFFER
+        let mut usage = info.usage
+            | vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::UNIFORM_BUFFER
             | vk::BufferUsageFlags::TRANSFER_SRC
             | vk::BufferUsageFlags::TRANSFER_DST;

@@ -15,6 +15,7 @@ use crate::devices::adaptive::Blocks;
 use crate::devices::device::{Answer, Device, DeviceError, DeviceInfo, Question, Session, sampling};
 use crate::devices::films::Films;
 use crate::devices::machine::{cores, processor_name, total_memory_bytes};
+use crate::devices::tracer::Tracer;
 use crate::pictures::display::{Display, Pixels, display_rows, reference_pixels};
 use crate::pictures::film::Film;
 use crate::pictures::linear_image::Image;
@@ -93,6 +94,8 @@ impl CpuDevice {
             },
             memory_bytes: total_memory_bytes(),
             missing: if InstructionSet::best().is_some() { vec![] } else { vec!["x86-64-v2".into()] },
+            has_ray_queries: false,
+            tracer: Tracer::Software,
         }
     }
 }

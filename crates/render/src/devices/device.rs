@@ -10,6 +10,7 @@ use raggio_scene::Integrator;
 use raggio_vulkan::VulkanError;
 
 use crate::devices::adaptive::Blocks;
+use crate::devices::tracer::Tracer;
 use crate::pictures::display::{Denoised, Display, Pixels};
 use crate::pictures::film::Film;
 use crate::pictures::linear_image::Image;
@@ -115,6 +116,11 @@ pub trait Session: Send {
         Err(DeviceError::Host("it cannot be opened again".into()))
     }
 
+    /// Who finds what rays meet, [`Tracer::Software`] or [`Tracer::Hardware`]; `None` where devices that share a picture differ.
+    fn tracer(&self) -> Option<Tracer> {
+        Some(Tracer::Software)
+    }
+
     /// Whether what the session holds may be lost from one moment to the next.
     fn may_be_lost(&self) -> bool {
         false
@@ -210,6 +216,13 @@ impl DeviceError {
     pub fn is_out_of_memory(&self) -> bool {
         matches!(self, Self::Vulkan(VulkanError::OutOfMemory(_) | VulkanError::NoRoom { .. }))
     }
+
+    /// Whether something was too large for the device.
+    pub(crate) fn does_not_fit(&self) -> bool {
+        let is_too_large =
+            matches!(self, Self::Vulkan(VulkanError::TooLarge { .. } | VulkanError::TooManyParts { .. }));
+        is_too_large || self.is_out_of_memory()
+    }
 }
 
 /// A line of `raggio devices`.
@@ -227,6 +240,10 @@ pub struct DeviceInfo {
     pub memory_bytes: Option<u64>,
     /// Features that the device lacks to run the kernels.
     pub missing: Vec<String>,
+    /// Whether the device can trace rays by hardware, or says so: `VK_KHR_ray_query`.
+    pub has_ray_queries: bool,
+    /// Who finds what rays meet if nobody asks for another: [`Tracer::Software`] or [`Tracer::Hardware`].
+    pub tracer: Tracer,
 }
 
 #[cfg(test)]

@@ -59,7 +59,7 @@ position = [0, 1, 4]
 look_at = [0, 1, 0]
 vertical_fov_degrees = 40
 ",
-        "scene.toml:2:1: unknown key `banana` at the top level of the scene: choose from `version`, `render`, `camera`, `environment`, `materials` and `shapes`",
+        "scene.toml:2:1: unknown key `banana` at the top level of the scene: choose from `version`, `render`, `camera`, `environment`, `air`, `lights`, `materials`, `groups` and `shapes`",
     ),
     (
         "in a shape",
@@ -129,6 +129,6 @@ vertical_fov_degrees = 40
 [materials."two words"]
 shine = 1
 "#,
-        r#"scene.toml:7:1: unknown key `shine` in [materials."two words"]: choose from `color`, `emission_color`, `emission_strength`, `smoothness`, `refractive_index`, `reflection`, `priority` and `principled`"#,
+        r#"scene.toml:7:1: unknown key `shine` in [materials."two words"]: choose from `color`, `emission_color`, `emission_strength`, `smoothness`, `refractive_index`, `reflection`, `priority`, `medium` and 1 more"#,
     ),
 ];

@@ -56,7 +56,7 @@ impl Viewer {
                 return Ok(());
             }
         }
-        self.tracer.trace_whole(budget, patience)
+        self.tracer.trace(budget, patience)
     }
 
     /// Does something for the denoiser, if there is one; denoising ends where that fails.
