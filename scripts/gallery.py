@@ -21,6 +21,10 @@ QUARTER = ["--size", "240x135"]
 PICTURES = [
     ("showcase", "showcase", ["--size", "864x486", "--samples", "128"]),
     ("materials", "materials", ["--size", "960x420", "--samples", "512"]),
+    ("media", "media", []),
+    ("guide/lights", "guide/lights", SMALL),
+    ("guide/shapes", "guide/shapes", SMALL),
+    ("guide/textures", "guide/textures", SMALL),
     ("notes/01-sky", "notes/01-sky", SMALL),
     ("notes/02-perspective", "notes/02-perspective", SMALL),
     ("notes/03-hit-or-miss", "notes/03-hit-or-miss", SMALL),

@@ -27,11 +27,12 @@ from ._errors import (
     SceneWarning,
 )
 from ._image import Image
-from ._materials import Environment, Material, Principled, Texture
+from ._lights import DirectionalLight, PointLight, SpotLight
+from ._materials import Environment, Material, Medium, Principled, Texture
 from ._notebook import view
 from ._render import Device, Renderer, devices, render, render_many
 from ._scene import Animation, Object, Scene, load
-from ._shapes import Box, Mesh, Plane, Rectangle, Sphere
+from ._shapes import Box, Cone, Cylinder, Disk, Group, Mesh, Plane, Rectangle, Sphere
 
 __version__: str = _raggio.__version__
 #: Names of the layers that ``aovs=`` takes.
@@ -45,21 +46,28 @@ __all__ = [
     "Animation",
     "Box",
     "Camera",
+    "Cone",
     "CudaArray",
+    "Cylinder",
     "DenoiseError",
     "Device",
     "DeviceError",
+    "DirectionalLight",
+    "Disk",
     "Environment",
     "Error",
+    "Group",
     "Image",
     "InternalError",
     "Interrupted",
     "Intrinsics",
     "Material",
+    "Medium",
     "Mesh",
     "Object",
     "OutputError",
     "Plane",
+    "PointLight",
     "Principled",
     "Rectangle",
     "Renderer",
@@ -67,6 +75,7 @@ __all__ = [
     "SceneError",
     "SceneWarning",
     "Sphere",
+    "SpotLight",
     "Texture",
     "__version__",
     "datasets",

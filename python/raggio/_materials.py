@@ -10,7 +10,8 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-Color = Sequence[float] | npt.NDArray[Any]
+#: Linear red, green and blue; or sRGB, as "#rrggbb" or as {"srgb": (red, green, blue)} with numbers from 0 to 1.
+Color = Sequence[float] | npt.NDArray[Any] | str | Mapping[Literal["srgb"], Sequence[float]]
 #: An image by its path, or as an array (height, width, 3 or 4): bytes are as image files store them, floats are
 #: linear.
 ImageLike = str | PathLike[str] | npt.NDArray[Any]
@@ -49,8 +50,9 @@ class Texture(_Table):
 
     #: The image; or give ``checker``.
     image: ImageLike | None = None
-    #: Two linear colours of a checkerboard whose fields have the side 1 in texture coordinates.
-    checker: tuple[Color, Color] | None = None
+    #: Two to sixteen colours that take turns along both sides of a checkerboard whose fields have the side 1 in texture
+    #: coordinates. With 0 in ``scale`` fields become stripes.
+    checker: Sequence[Color] | None = None
     #: Offset added to the texture coordinates, last.
     offset: Sequence[float] | None = None
     #: Angle by which texture coordinates are turned.
@@ -67,10 +69,27 @@ TextureLike = ImageLike | Texture
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Medium(_Table):
+    """What a body, or the whole scene, is filled with: fog, smoke, milk, wax. It absorbs and scatters light.
+
+    Coefficients are parts per unit of the scene's length, 0 or more: a number, or red, green and blue. After a distance d a part
+    exp(-c d) of the light is left, c the sum of both.
+    """
+
+    #: Part of the light that is absorbed per unit of length; 0 by default.
+    absorption: float | Color | None = None
+    #: Part of the light that is scattered per unit of length; 0 by default.
+    scattering: float | Color | None = None
+    #: Mean cosine of the angle by which light is scattered, -0.999 to 0.999 (Henyey and Greenstein): 0, by default, to all
+    #: sides alike, more goes forward, less goes back.
+    anisotropy: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Material(_Table):
     """A diffuse or mirroring surface, glass, or a lamp. What is ``None`` has the default of the scene file.
 
-    Colours are linear red, green and blue, 0 to 1.
+    Colours are linear red, green and blue, 0 to 1, or sRGB: ``"#ff8800"``, or ``{"srgb": (1, 0.5, 0)}``.
     """
 
     #: Part of the light that is reflected, or transmitted; [0.8, 0.8, 0.8] by default, and 0 for lamps.
@@ -87,6 +106,9 @@ class Material(_Table):
     reflection: Literal["fresnel"] | float | None = None
     #: Rank among overlapping dielectrics: the highest wins.
     priority: int | None = None
+    #: Medium that fills bodies of the material. Without ``refractive_index`` these have no surface, as fog has none, and no
+    #: other key but ``priority``.
+    medium: Medium | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -193,6 +215,8 @@ class Principled(_Table):
     normal_map: TextureLike | None = None
     #: Factor that multiplies x and y of ``normal_map``.
     normal_scale: float | None = None
+    #: Medium that fills bodies of the material, into which light comes by ``transmission``: with it wax, skin and marble.
+    medium: Medium | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

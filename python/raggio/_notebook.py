@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ._camera import Camera
 from ._image import ToneMapper
-from ._render import Renderer
+from ._render import Renderer, Tracer
 from ._scene import Scene
 
 if TYPE_CHECKING:
@@ -22,6 +22,7 @@ def view(
     seed: int | None = None,
     max_depth: int | None = None,
     device: str = "auto",
+    tracer: Tracer = "auto",
     threads: int | None = None,
     tone_mapper: ToneMapper = "neutral",
     exposure: float = 0.0,
@@ -38,5 +39,7 @@ def view(
         raise ImportError("views in notebooks need anywidget: pip install 'raggio[notebook]'") from error
     if samples < 1:
         raise ValueError(f"samples is {samples}: give at least 1")
-    renderer = Renderer(scene, camera, size=size, seed=seed, max_depth=max_depth, device=device, threads=threads)
+    renderer = Renderer(
+        scene, camera, size=size, seed=seed, max_depth=max_depth, device=device, tracer=tracer, threads=threads
+    )
     return View(renderer, samples, tone_mapper, exposure)

@@ -7,7 +7,7 @@ import os
 import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any, NoReturn
+from typing import Any, Literal, NoReturn
 
 from . import _raggio, _toml
 from ._camera import Camera, checked_size
@@ -19,6 +19,8 @@ from ._scene import Scene, checked_time
 
 #: Names of layers: one, several, or "all".
 AovsLike = str | Iterable[str]
+#: Who finds what rays meet on a GPU.
+Tracer = Literal["auto", "software", "hardware"]
 
 
 @dataclass(frozen=True)
@@ -37,12 +39,16 @@ class Device:
     memory_bytes: int | None
     #: What the device lacks to render; nothing when it can.
     missing: tuple[str, ...]
+    #: Whether it can trace rays by hardware, or says so (VK_KHR_ray_query).
+    has_ray_queries: bool
+    #: Who finds what rays meet with ``tracer="auto"``: "software" or "hardware".
+    tracer: str
 
 
 def devices() -> list[Device]:
     """The devices of this machine, the CPU first."""
     found, _ = _raggio.devices()
-    return [Device(*line[:5], missing=tuple(line[5])) for line in found]
+    return [Device(*line[:5], tuple(line[5]), *line[6:]) for line in found]
 
 
 def render(
@@ -56,6 +62,7 @@ def render(
     max_depth: int | None = None,
     alpha: bool | None = None,
     device: str = "auto",
+    tracer: Tracer = "auto",
     threads: int | None = None,
     aovs: AovsLike = (),
     denoise: bool = False,
@@ -72,7 +79,8 @@ def render(
     ``max_depth`` is the most rays along a path; 0 sets no limit. ``alpha`` leaves out the background where it is seen
     directly, and makes the image (height, width, 4) with premultiplied alpha. ``device`` is "auto" (a GPU if there is
     one), "cpu", "vulkan" or "vulkan:N"; several separated by commas share the picture, as does "all", every GPU with
-    the CPU; ``threads`` are those of the CPU. ``aovs`` are layers: :data:`AOVS` has their names, "all" stands for all.
+    the CPU; ``threads`` are those of the CPU. ``tracer`` says who finds what rays meet on a GPU: "hardware" that traces rays,
+    "software", or "auto", hardware where there is some. ``aovs`` are layers: :data:`AOVS` has their names, "all" stands for all.
     ``denoise`` removes noise by Intel Open Image Denoise (``pip install pyoidn``).
 
     ``cuda`` has the picture in CUDA's memory, too, for :meth:`Image.cuda`: on a GPU that Vulkan and CUDA have in common it never
@@ -90,7 +98,9 @@ def render(
     options = _Options(size, seed, max_depth, alpha, time)
     if cuda:
         check_cuda()
-    session = _session(scene, camera, options, device, threads, aovs, denoise, samples, time_limit, noise)
+    session = _session(
+        *(scene, camera, options, device, threads, aovs, denoise, samples, time_limit, noise), tracer=tracer
+    )
     with reporter(progress) as report:
         return _run(session, report, cuda)
 
@@ -106,6 +116,7 @@ def render_many(
     max_depth: int | None = None,
     alpha: bool | None = None,
     device: str = "auto",
+    tracer: Tracer = "auto",
     threads: int | None = None,
     aovs: AovsLike = (),
     denoise: bool = False,
@@ -124,7 +135,9 @@ def render_many(
     session: _raggio.Session | None = None
     for place, camera in enumerate(cameras):
         if session is None:
-            session = _session(scene, camera, options, device, threads, aovs, denoise, samples, time_limit, noise)
+            session = _session(
+                *(scene, camera, options, device, threads, aovs, denoise, samples, time_limit, noise), tracer=tracer
+            )
         else:
             _look(session, scene, camera, options)
         yield place, _run(session, None, cuda)
@@ -150,6 +163,7 @@ class Renderer:
         max_depth: int | None = None,
         alpha: bool | None = None,
         device: str = "auto",
+        tracer: Tracer = "auto",
         threads: int | None = None,
         aovs: AovsLike = (),
         denoise: bool = False,
@@ -157,7 +171,9 @@ class Renderer:
         self._scene = scene
         self._camera = camera
         self._options = _Options(size, seed, max_depth, alpha, time)
-        self._session = _session(scene, camera, self._options, device, threads, aovs, denoise, 1, None, None)
+        self._session = _session(
+            *(scene, camera, self._options, device, threads, aovs, denoise, 1, None, None), tracer=tracer
+        )
         self._seen = scene._text.revision
         self._samples = 0
 
@@ -305,6 +321,7 @@ def _session(
     time_limit: float | None,
     noise: float | None,
     *,
+    tracer: Tracer = "auto",
     label: bool = False,
     integrator: str | None = None,
 ) -> _raggio.Session:
@@ -330,6 +347,7 @@ def _session(
         noise=noise,
         time_limit=time_limit,
         device=device,
+        tracer=tracer,
         threads=threads or 0,
         aovs=layers,
         denoise=denoise,

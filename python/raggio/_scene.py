@@ -13,13 +13,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _foreign, _raggio, _toml, _transforms
+from . import _foreign, _lights, _raggio, _toml, _transforms
 from ._camera import Camera, checked_size
 from ._errors import SceneError, SceneWarning
-from ._materials import Environment, Material, Principled, Texture
-from ._shapes import Mesh, _Shape
-
-AnyMaterial = Material | Principled
+from ._lights import Light
+from ._materials import Environment, Material, Medium, Principled, Texture
+from ._shapes import AnyMaterial, Group, Mesh, _Shape
 
 
 @dataclass(frozen=True)
@@ -49,6 +48,7 @@ class Scene:
         #: What the text names in memory, in words.
         self._in_memory: dict[str, str] = {}
         self._meshes: weakref.WeakKeyDictionary[Mesh, str] = weakref.WeakKeyDictionary()
+        self._groups: weakref.WeakKeyDictionary[Group, str] = weakref.WeakKeyDictionary()
         self._materials: dict[str, AnyMaterial] = {}
         self._environment: Environment | None = None
 
@@ -67,10 +67,11 @@ class Scene:
         """Adds an object, and returns its number in ``image["object_id"]``.
 
         ``shape`` is a mesh of trimesh, open3d or pyvista, a whole ``trimesh.Scene``, a :class:`Mesh`, a pair of
-        vertices (V, 3) and faces (F, 3), a :class:`Sphere`, :class:`Plane`, :class:`Rectangle` or :class:`Box`, or
-        the path of a model. ``material`` is one, or the name of one that the scene has; without it a mesh has its
-        own, or is light grey. ``transform`` (4, 4) brings it into the world. ``smooth`` gives a mesh without normals
-        some at its vertices.
+        vertices (V, 3) and faces (F, 3), a :class:`Sphere`, :class:`Plane`, :class:`Rectangle`, :class:`Disk`,
+        :class:`Cylinder`, :class:`Cone` or :class:`Box`, a :class:`Group` of these, or the path of a
+        model. ``material`` is one, or the name of one that the scene has; without it meshes and groups have their own, and
+        other shapes are light grey. ``transform`` (4, 4) brings it into the world; shapes that are no meshes keep their form,
+        so that it scales them by one factor. ``smooth`` gives a mesh without normals some at its vertices.
 
         ``id`` is from 1 on, and above the numbers of a loaded file's shapes; several objects may share one. By
         default it is the first above all others.
@@ -100,10 +101,11 @@ class Scene:
         id: int | None,
         smooth: bool,
     ) -> int:
+        placed = {} if transform is None else {"transform": _transforms.similarity(transform)}
+        if isinstance(shape, Group):
+            return self._add({"group": self._group(shape), **placed}, material, id, checked=True)
         if isinstance(shape, _Shape):
-            if transform is not None:
-                raise ValueError(f"{type(shape).__name__} says itself where it is: leave transform out")
-            return self._add(shape._table(), material if material is not None else Material(), id)
+            return self._add({**shape._table(), **placed}, material if material is not None else Material(), id)
         placement = transform if transform is not None else np.eye(4)
         if isinstance(shape, (str, os.PathLike)):
             file = {"file": os.path.abspath(shape), **_transforms.placement(placement)}
@@ -123,10 +125,27 @@ class Scene:
         if isinstance(material, str) and material not in self.materials:
             raise ValueError(f"the scene has no material {material!r}: it has {', '.join(self.materials) or 'none'}")
         # Meshes in memory were checked when they were put there, and reading all of a large scene takes a while.
-        if "mesh" not in table:
+        if not {"mesh", "group"} & table.keys():
             _raggio.SceneText.check_shape(_toml.value({"material": "material", **table}), _toml.value({}))
         called = self._name_of(material)
         return self._text.add_shape(_toml.value({"material": called, **table}), id, checked=checked)
+
+    def _group(self, group: Group) -> str:
+        """Name of the group, which is put into the text where it is not yet."""
+        if group in self._groups:
+            return self._groups[group]
+        tables = []
+        for shape, material in group.shapes:
+            if isinstance(material, str) and material not in self.materials:
+                raise ValueError(f"the scene has no material {material!r}: it has {', '.join(self.materials) or 'none'}")
+            tables.append({"material": self._name_of(material), **shape._table()})
+        taken = self._text.get(["groups"]) or {}
+        number = len(taken) + 1
+        while (name := f"group-{number}") in taken:
+            number += 1
+        self._text.set(["groups", name], _toml.value(tables), checked=True)
+        self._groups[group] = name
+        return name
 
     def _held(self, mesh: Mesh, name: str | None) -> str:
         """Name of the mesh in memory."""
@@ -173,7 +192,8 @@ class Scene:
     def _set_material(self, name: str, material: AnyMaterial) -> None:
         table = {key: self._resolved(value, is_image=_is_image(key)) for key, value in material._table().items()}
         if isinstance(material, Principled):
-            table = {"principled": table}
+            medium = table.pop("medium", None)
+            table = {"principled": table} if medium is None else {"principled": table, "medium": medium}
         text = _toml.value(table)
         if '"memory:' not in text:
             _raggio.SceneText.check_shape(
@@ -184,6 +204,8 @@ class Scene:
 
     def _resolved(self, value: Any, *, is_image: bool) -> Any:
         """A value as the scene file has it: images by their paths, or by their names in memory."""
+        if isinstance(value, Medium):
+            return value._table()
         if isinstance(value, Texture):
             table = value._table()
             return {**table, "image": self._image(table["image"])} if "image" in table else table
@@ -229,6 +251,32 @@ class Scene:
             table = {key: self._resolved(value, is_image=key == "image") for key, value in environment._table().items()}
             self._text.set(["environment"], _toml.value(table), checked=True)
         self._environment = environment
+
+    @property
+    def air(self) -> Medium | None:
+        """Medium that fills the scene around all bodies, such as fog; ``None`` is none."""
+        table = self._text.get(["air"])
+        return None if table is None else Medium(**table)
+
+    @air.setter
+    def air(self, air: Medium | None) -> None:
+        self._text.set(["air"], None if air is None else _toml.value(air._table()), checked=air is not None)
+
+    @property
+    def lights(self) -> tuple[Light, ...]:
+        """Lights that are no surfaces; those that came with models are not among them.
+
+        ``scene.lights = [raggio.DirectionalLight(direction=(-1, -2, -1), angle_degrees=0.53, intensity=3)]`` sets them all,
+        and ``scene.lights += (raggio.PointLight(position=(0, 2, 0)),)`` adds one.
+
+        Raises :class:`SceneError` where one of them does not fit, and leaves the scene as it was.
+        """
+        return tuple(map(_lights.of_table, self._text.get(["lights"]) or ()))
+
+    @lights.setter
+    def lights(self, lights: Iterable[Light]) -> None:
+        tables = [_lights.table(light) for light in lights]
+        self._text.set(["lights"], _toml.value(tables) if tables else None, checked=True)
 
     @property
     def camera(self) -> Camera | None:
@@ -301,6 +349,7 @@ class Scene:
         other._objects = list(self._objects)
         other._in_memory = dict(self._in_memory)
         other._meshes = self._meshes.copy()
+        other._groups = self._groups.copy()
         other._materials = dict(self._materials)
         other._environment = self._environment
         return other
@@ -314,6 +363,7 @@ class Scene:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self._meshes = weakref.WeakKeyDictionary()
+        self._groups = weakref.WeakKeyDictionary()
         self.__dict__.update(state, _text=_raggio.SceneText.restored(**state["_text"]))
 
     def __eq__(self, other: object) -> bool:
@@ -362,14 +412,16 @@ class _Materials(MutableMapping[str, AnyMaterial]):
     def __getitem__(self, name: str) -> AnyMaterial:
         if name in self._scene._materials:
             return self._scene._materials[name]
-        table = self._tables()[name]
+        table = dict(self._tables()[name])
+        if "medium" in table:
+            table["medium"] = Medium(**table["medium"])
         if "principled" not in table:
             return Material(**table)
         keys = self._scene._absolute(table["principled"], [key for key in table["principled"] if _is_image(key)])
         for key, value in keys.items():
             if isinstance(value, dict):
                 keys[key] = Texture(**self._scene._absolute(value, ("image",)))
-        return Principled(**keys)
+        return Principled(**keys, medium=table.get("medium"))
 
     def __setitem__(self, name: str, material: AnyMaterial) -> None:
         self._scene._set_material(name, material)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._camera import VectorLike, vector
+from ._materials import Material, Principled
 from ._types import Vector
 
 
@@ -63,6 +64,51 @@ class Rectangle(_Shape):
 
 
 @dataclass(frozen=True)
+class Disk(_Shape):
+    """A disk; both sides reflect and emit."""
+
+    _key = "disk"
+    #: Centre of the disk.
+    center: VectorLike | Vector
+    #: Normal of the disk, of any length but 0.
+    normal: VectorLike | Vector
+    #: Radius of the disk, greater than 0.
+    radius: float
+
+
+@dataclass(frozen=True)
+class Cylinder(_Shape):
+    """A cylinder; open, both its sides reflect and emit."""
+
+    _key = "cylinder"
+    #: Centre of one end.
+    base: VectorLike | Vector
+    #: Centre of the other end.
+    top: VectorLike | Vector
+    #: Radius of the cylinder, greater than 0.
+    radius: float
+    #: Whether disks close both ends.
+    capped: bool = True
+
+
+@dataclass(frozen=True)
+class Cone(_Shape):
+    """A cone, which may be cut off; open, both its sides reflect and emit."""
+
+    _key = "cone"
+    #: Centre of the wide end.
+    base: VectorLike | Vector
+    #: The apex, or the centre of the end where it is cut off.
+    top: VectorLike | Vector
+    #: Radius at ``base``, greater than 0.
+    radius: float
+    #: Radius at ``top``, where the cone is cut off; 0 for an apex.
+    top_radius: float = 0.0
+    #: Whether disks close both ends.
+    capped: bool = True
+
+
+@dataclass(frozen=True)
 class Box(_Shape):
     """A box, which may be turned."""
 
@@ -73,6 +119,40 @@ class Box(_Shape):
     size: VectorLike | Vector
     #: Angles by which the box is turned, about the fixed x axis first, then y, then z.
     rotation_degrees: VectorLike | Vector = (0.0, 0.0, 0.0)
+
+
+ShapeLike = Sphere | Plane | Rectangle | Disk | Cylinder | Cone | Box
+AnyMaterial = Material | Principled
+
+
+class Group:
+    """Shapes, each with its material, that are added to scenes together, as often as one likes.
+
+    >>> import raggio as rg
+    >>> brass = rg.Material(color="#c99a4b")
+    >>> lamp = rg.Group([(rg.Cylinder((0, 0, 0), (0, 1, 0), 0.05), brass), (rg.Sphere((0, 1.1, 0), 0.1), brass)])
+    >>> scene = rg.Scene()
+    >>> scene.add(lamp), scene.add(lamp, transform=np.diag([2, 2, 2, 1]))
+    (1, 2)
+
+    Materials are as for :meth:`Scene.add`. A group never changes, and a scene has it once.
+    """
+
+    __slots__ = ("__weakref__", "shapes")
+
+    #: The shapes and their materials.
+    shapes: tuple[tuple[ShapeLike, AnyMaterial | str], ...]
+
+    def __init__(self, shapes: Iterable[tuple[ShapeLike, AnyMaterial | str]]) -> None:
+        self.shapes = tuple((shape, material) for shape, material in shapes)
+        for shape, _ in self.shapes:
+            if not isinstance(shape, _Shape):
+                raise TypeError(f"a group is of shapes such as Sphere or Box, not of {type(shape).__name__}")
+        if not self.shapes:
+            raise ValueError("a group without shapes shows nothing")
+
+    def __repr__(self) -> str:
+        return f"<raggio.Group {len(self.shapes)} shapes>"
 
 
 class Mesh:
@@ -159,5 +239,4 @@ def _colors(of: npt.ArrayLike) -> npt.NDArray[np.float32]:
     return _floats("colors", array, 4)
 
 
-ShapeLike = Sphere | Plane | Rectangle | Box
 _Rows = Sequence[Sequence[float]]

@@ -29,6 +29,15 @@ def rows(matrix: npt.NDArray[np.float64]) -> list[float]:
     return numbers
 
 
+def similarity(matrix: npt.NDArray[np.float64]) -> dict[str, Any]:
+    """Transform of a scene file: translation, rotation and one factor."""
+    table = placement(matrix)
+    factor = float(np.mean(table["scale"]))
+    if np.linalg.det(matrix[:3, :3]) < 0 or not np.allclose(table["scale"], factor, rtol=1e-6):
+        raise ValueError("a shape that is no mesh keeps its form: transform may move, turn and scale it by one factor")
+    return {**table, "scale": factor}
+
+
 def placement(matrix: npt.NDArray[np.float64]) -> dict[str, Any]:
     """Translation, rotation and scale of a scene file's mesh."""
     linear = matrix[:3, :3].copy()

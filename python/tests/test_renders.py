@@ -53,6 +53,11 @@ def test_settings_that_are_wrong(options, words: str) -> None:
 
 def test_devices() -> None:
     assert rg.devices()[0].id == "cpu" and not rg.devices()[0].missing
+    assert rg.devices()[0].tracer == "software" and not rg.devices()[0].has_ray_queries
+    with pytest.raises(rg.DeviceError, match="nothing that is cpu here traces rays by hardware"):
+        rg.render(ball(), FRONT, device="cpu", tracer="hardware")
+    with pytest.raises(ValueError, match="tracer: unknown tracer: give auto, software or hardware"):
+        rg.render(ball(), FRONT, device="cpu", tracer="magic")  # type: ignore[arg-type]
     with pytest.raises(rg.DeviceError, match="device: .*cpu"):
         rg.render(ball(), FRONT, device="toaster")
     with pytest.raises(rg.Error):

@@ -52,8 +52,10 @@ def test_meshes_that_are_wrong(mesh, words: str) -> None:
 def test_what_is_no_mesh() -> None:
     with pytest.raises(TypeError, match="int is no mesh: give"):
         rg.Scene().add(3)
-    with pytest.raises(ValueError, match="Sphere says itself where it is"):
-        rg.Scene().add(rg.Sphere((0, 0, 0), 1), transform=np.eye(4))
+    with pytest.raises(ValueError, match="a shape that is no mesh keeps its form"):
+        rg.Scene().add(rg.Sphere((0, 0, 0), 1), transform=np.diag([1, 2, 1, 1]))
+    with pytest.raises(TypeError, match="a group is of shapes such as Sphere or Box, not of Mesh"):
+        rg.Group([(rg.Mesh(*SQUARE), rg.Material())])
     with pytest.raises(ValueError, match="radius"):
         rg.Scene().add(rg.Sphere((0, 0, 0), -1))
     with pytest.raises(ValueError, match="transform is of shape"):
@@ -141,6 +143,71 @@ def test_environments_that_are_wrong() -> None:
     assert scene == lit()
 
 
+def test_colors() -> None:
+    """A colour is the same in each of the ways to write it."""
+    linear = np.array([1, 0.5 / 255 / 12.92 * 2, ((136 / 255 + 0.055) / 1.055) ** 2.4])
+    for color in (linear, linear.tolist(), "#ff0188", {"srgb": (1, 1 / 255, 136 / 255)}):
+        scene = lit()
+        scene.add(SQUARE, material=rg.Material(color=color))
+        assert scene.materials["material-1"] == rg.Material(color=color)
+        albedo = render(scene, FRONT, size=(8, 8), samples=4, aovs="albedo")["albedo"]
+        np.testing.assert_allclose(albedo[4, 4], linear, rtol=1e-5)
+    with pytest.raises(ValueError, match="must be a colour"):
+        scene.add(SQUARE, material=rg.Material(color="orange"))
+
+
+def test_shapes_and_groups_that_are_placed() -> None:
+    """What is seen is where the transforms take it."""
+    clay, moss = rg.Material(color=(0.8, 0.2, 0.1)), rg.Material(color=(0.1, 0.6, 0.2))
+    group = rg.Group([(rg.Disk((0, 0, 0), (0, 0, 1), 0.5), clay), (rg.Cylinder((1, -1, 0), (1, 1, 0), 0.2), moss)])
+    scene = lit()
+    turn = np.array([[0, -1, 0, -1], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+    first = scene.add(group, transform=turn, name="turned")
+    second = scene.add(group, material=moss, transform=np.diag([0.5, 0.5, 0.5, 1]))
+    cone = scene.add(rg.Cone((0, 0, 0), (0, 1, 0), 0.3), transform=np.block([[np.eye(3), [[0], [-1.2], [0]]], [0, 0, 0, 1]]))
+    assert scene._text.text().count("group-1") == 3
+    image = render(scene, FRONT, size=(128, 128), samples=4, aovs=("object_id", "albedo"))
+    ids, albedo = image["object_id"], image["albedo"]
+    # The camera is at z = 4 and sees 2.9 units of the plane z = 0.
+    at = lambda x, y: (int(64 - y * 128 / 2.91), int(64 + x * 128 / 2.91))  # noqa: E731
+    assert ids[at(-1, 0)] == first and ids[at(-1.2, 1)] == first and ids[at(0.1, 0)] == second and ids[at(0, -0.9)] == cone
+    np.testing.assert_allclose(albedo[at(-1, 0)], clay.color, rtol=1e-3)
+    np.testing.assert_allclose(albedo[at(0, 0)], moss.color, rtol=1e-3)
+
+
+def test_lights() -> None:
+    """A square that faces a light has its colour over pi of the irradiance, and a sun is seen where it is."""
+    scene = rg.Scene()
+    scene.add(SQUARE, material=rg.Material(color=(0.2, 0.4, 0.6)))
+    sun = rg.DirectionalLight(direction=(0, 0, -2), angle_degrees=20, intensity=3, color=(1, 0.5, 1))
+    point = rg.PointLight(position=(0, 0, 2), intensity=12)
+    spot = rg.SpotLight(position=(0, 0, 2), direction=(0, 0, -1), inner_degrees=5, outer_degrees=10, intensity=12)
+    for light, irradiance in [(sun, (3, 1.5, 3)), (point, (3, 3, 3)), (spot, (3, 3, 3))]:
+        scene.lights = [light]
+        assert scene.lights == (light,)
+        image = render(scene, FRONT, size=(33, 33), samples=64)
+        expected = np.array([0.2, 0.4, 0.6]) * irradiance / np.pi
+        np.testing.assert_allclose(np.asarray(image)[16, 16], expected, rtol=2e-2)
+    scene.lights += (sun,)
+    assert scene.lights == (spot, sun)
+    back = rg.Camera.look_at((0, 0, 4), (0, 0, 8))
+    pixels = np.asarray(render(scene, back, size=(17, 17), samples=4))
+    np.testing.assert_allclose(pixels[8, 8], np.array([3, 1.5, 3]) / (np.pi * np.sin(np.radians(10)) ** 2), rtol=1e-4)
+    scene.lights = ()
+    assert scene.lights == ()
+
+
+def test_lights_that_are_wrong() -> None:
+    scene = lit()
+    with pytest.raises(rg.SceneError, match="`direction` in `directional` of light 1 must not be zero"):
+        scene.lights = [rg.DirectionalLight(direction=(0, 0, 0))]
+    with pytest.raises(rg.SceneError, match="`inner_degrees` in `spot` of light 1 is 60"):
+        scene.lights = [rg.SpotLight(position=(0, 0, 0), direction=(0, 0, 1), inner_degrees=60)]
+    with pytest.raises(TypeError, match="a light is a PointLight, a SpotLight or a DirectionalLight, not Sphere"):
+        scene.lights = [rg.Sphere((0, 0, 0), 1)]
+    assert scene == lit() and scene.lights == ()
+
+
 def test_images_that_are_replaced_are_forgotten() -> None:
     from conftest import memory
 
@@ -168,6 +235,35 @@ def test_materials() -> None:
         scene.materials["gold"] = rg.Principled(roughness=2)
     with pytest.raises(TypeError, match="materials stay"):
         del scene.materials["gold"]
+
+
+def test_media(tmp_path) -> None:
+    scene = lit()
+    fog = rg.Medium(scattering=0.5, absorption=(0.1, 0.2, 0.3), anisotropy=0.4)
+    scene.air = rg.Medium(absorption=(0.01, 0.02, 0))
+    scene.materials["fog"] = rg.Material(medium=fog)
+    scene.materials["milk"] = rg.Material(refractive_index=1.33, medium=fog)
+    scene.materials["wax"] = rg.Principled(transmission=1, roughness=0.4, medium=fog)
+    for number, name in enumerate(scene.materials):
+        scene.add(rg.Sphere((3 * number, 0, 0), 1), material=name)
+    with pytest.raises(ValueError, match="anisotropy"):
+        scene.materials["fog"] = rg.Material(medium=rg.Medium(anisotropy=1))
+    with pytest.raises(ValueError, match="is of a surface, and a body with a `medium` has none"):
+        scene.materials["fog"] = rg.Material(color=(1, 1, 1), medium=fog)
+    with pytest.raises(ValueError, match="lets no light in: give it a `transmission`"):
+        scene.materials["wax"] = rg.Principled(medium=fog)
+    with pytest.raises(rg.SceneError, match="scattering"):
+        scene.air = rg.Medium(scattering=-1)
+    scene.camera = rg.Camera.look_at((0, 1, 9), (3, 0, 0), size=(40, 30))
+    path = tmp_path / "scene.toml"
+    path.write_text(scene.to_toml())
+    again = rg.load(path)
+    assert again.air == rg.Medium(absorption=(0.01, 0.02, 0))
+    assert again.materials["milk"] == rg.Material(refractive_index=1.33, medium=fog)
+    assert again.materials["wax"] == rg.Principled(transmission=1, roughness=0.4, medium=fog)
+    np.testing.assert_array_equal(render(scene, samples=2).pixels, render(again, samples=2).pixels)
+    again.air = None
+    assert again.air is None and again != scene
 
 
 def test_text_and_equality(tmp_path) -> None:

@@ -22,6 +22,9 @@ import raggio.cluster
 scene = rg.load("room.glb")
 number: int = scene.add((np.zeros((3, 3)), np.zeros((1, 3), int)), material=rg.Material(color=(1, 0, 0)), id=7)
 scene.environment = rg.Environment(image=np.ones((4, 8, 3)), rotation_degrees=30)
+scene.lights = [rg.PointLight(position=(0, 1, 2), intensity=3), rg.DirectionalLight(direction=(0, -1, 0))]
+colors: list[rg.Material] = [rg.Material(color="#ff8800"), rg.Material(color={"srgb": (1, 0.5, 0)})]
+scene.lights += (rg.SpotLight(position=(0, 1, 2), direction=(0, -1, 0)),)
 camera = rg.Camera.from_matrix(np.eye(4), K=np.eye(3), size=(64, 48), convention="opencv")
 image = rg.render(scene, camera, samples=64, seed=0, device="auto", aovs=("depth", "object_id"), denoise=False)
 pixels: npt.NDArray[np.float32] = image.pixels

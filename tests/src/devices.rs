@@ -2,7 +2,9 @@
 
 use std::sync::OnceLock;
 
-use raggio_render::{Answer, Device, DeviceChoice, DeviceScene, OpenOptions, Probe, Question, open};
+use raggio_render::{
+    Answer, Device, DeviceChoice, DeviceError, DeviceScene, OpenOptions, Probe, Question, Tracer, open,
+};
 use raggio_scene::{Integrator, Scene};
 
 /// A device under test.
@@ -64,18 +66,29 @@ const PROBES_AT_ONCE: usize = 1 << 18;
 pub fn for_each_device(test: impl Fn(TestDevice)) {
     test(TestDevice { label: "cpu", slow: false, device: cpu() });
     let Some(device) = vulkan() else { return };
-    let slow = device.vulkan().is_some_and(|context| context.physical().kind.name() == "software");
-    test(TestDevice { label: "vulkan", slow, device });
-    let messages = device.validation_messages();
-    assert!(messages.is_empty(), "Vulkan's validation layers complain:\n{}", messages.join("\n"));
+    test(TestDevice { label: "vulkan", slow: is_software(device), device });
+    assert_valid(device);
 }
 
-/// Runs `test` on each device with each integrator, which is set in the scene that the test gets.
+/// Runs `test` on each device, but on software Vulkan for simple scenes alone: what else there is its compiler takes half a
+/// minute to compile, for each scene anew. There its pictures agree with the CPU's
+/// (`determinism::devices_agree`), and `make test-long` runs all.
+pub fn for_each_device_with(scene: &Scene, test: impl Fn(TestDevice)) {
+    let is_simple = || DeviceScene::new(scene).expect("the scene fits devices").buffers.is_simple();
+    for_each_device(|device| {
+        if !device.slow || long() || is_simple() {
+            test(device);
+        }
+    });
+}
+
+/// Runs `test` on each device, as [`for_each_device_with`] does, with each integrator, which is set in the scene that the test
+/// gets.
 pub fn for_each_way(scene: &Scene, test: impl Fn(TestDevice, &Scene)) {
     for integrator in [Integrator::Path, Integrator::Reference] {
         let mut scene = scene.clone();
         scene.render.integrator = integrator;
-        for_each_device(|device| test(device, &scene));
+        for_each_device_with(&scene, |device| test(device, &scene));
     }
 }
 
@@ -85,7 +98,7 @@ pub fn cpu() -> &'static dyn Device {
     &**CPU.get_or_init(|| open(DeviceChoice::Cpu, OpenOptions::default(), |_| ()).expect("the CPU is always there"))
 }
 
-/// Best Vulkan device, with validation; `None` where there is none.
+/// Best Vulkan device, with validation, its rays traced by software as everywhere; `None` where there is none.
 ///
 /// # Panics
 /// If there is none and `RAGGIO_TEST_EVERYTHING=1` says that there has to be one.
@@ -105,12 +118,43 @@ pub fn open_specialised_vulkan() -> Option<Box<dyn Device>> {
 }
 
 fn open_vulkan_with(general_in_software: bool) -> Option<Box<dyn Device>> {
-    let options = OpenOptions { validate: true, general_in_software, ..OpenOptions::default() };
-    match open(DeviceChoice::Vulkan(None), options, |_| ()) {
-        Ok(device) => Some(device),
-        Err(error) => {
-            lacks(&format!("Vulkan cannot be used: {error}"));
-            None
-        }
-    }
+    let device = open_traced_by(Tracer::Software, general_in_software);
+    device.map_err(|error| lacks(&format!("Vulkan cannot be used: {error}"))).ok()
+}
+
+/// Best Vulkan device whose hardware, or what passes for it, traces the rays, with validation; `None` where there is none.
+///
+/// # Panics
+/// If there is none and `RAGGIO_TEST_EVERYTHING=1` says that there has to be one: `scripts/setup.sh --tests` installs Mesa 25,
+/// whose software Vulkan answers ray queries.
+pub fn hardware() -> Option<TestDevice> {
+    static HARDWARE: OnceLock<Option<Box<dyn Device>>> = OnceLock::new();
+    let device = HARDWARE.get_or_init(open_hardware).as_deref()?;
+    Some(TestDevice { label: "hardware", slow: is_software(device), device })
+}
+
+/// Opens the device of [`hardware`] once more, for tests that change it.
+pub fn open_hardware() -> Option<Box<dyn Device>> {
+    let without = |error| {
+        lacks(&format!(
+            "no device here answers ray queries: {error}. `make setup-tests` installs Mesa 25 where it can, whose lavapipe does"
+        ))
+    };
+    open_traced_by(Tracer::Hardware, true).map_err(without).ok()
+}
+
+fn open_traced_by(tracer: Tracer, general_in_software: bool) -> Result<Box<dyn Device>, DeviceError> {
+    let options = OpenOptions { tracer, validate: true, general_in_software, ..OpenOptions::default() };
+    open(DeviceChoice::Vulkan(None), options, |_| ())
+}
+
+/// Fails if Vulkan's validation layers have a message for `device`.
+#[track_caller]
+pub fn assert_valid(device: &dyn Device) {
+    let messages = device.validation_messages();
+    assert!(messages.is_empty(), "Vulkan's validation layers complain:\n{}", messages.join("\n"));
+}
+
+fn is_software(device: &dyn Device) -> bool {
+    device.vulkan().is_some_and(|context| context.physical().kind.name() == "software")
 }

@@ -4,7 +4,7 @@
 //! numbers involved. Where such a move decides between hit and miss, or between two faces, both answers are right: a
 //! reference is therefore a list of [`Event`]s, some of which are certain.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 use raggio_scene::Geometry;
 
 /// Relative error of one rounding to single precision, 2^-24.
@@ -75,6 +75,13 @@ pub fn events(shape: &Geometry, ray: &Ray) -> Vec<Event> {
         Geometry::Rectangle { corner, edge_u, edge_v } => {
             rectangle(corner.as_dvec3(), edge_u.as_dvec3(), edge_v.as_dvec3(), ray).into_iter().collect()
         }
+        Geometry::Disk { center, normal, radius } => {
+            disk(center.as_dvec3(), normal.as_dvec3(), f64::from(radius), ray).into_iter().collect()
+        }
+        Geometry::Cylinder { base, top, radius, capped } => Frustum::new([base, top], [radius; 2]).events(capped, ray),
+        Geometry::Cone { base, top, radius, top_radius, capped } => {
+            Frustum::new([base, top], [radius, top_radius]).events(capped, ray)
+        }
         Geometry::Box { center, size, rotation_degrees } => {
             turned_box(center.as_dvec3(), 0.5 * size.as_dvec3(), rotation(rotation_degrees.as_dvec3()), ray)
         }
@@ -123,7 +130,13 @@ pub fn check(shape: &Geometry, ray: &Ray, found: Option<Found>) -> Result<Agreem
 fn extent(shape: &Geometry) -> f64 {
     match *shape {
         Geometry::Mesh { .. } => unreachable!("meshes are compared with trial of every triangle"),
-        Geometry::Sphere { center, radius } => center.as_dvec3().abs().max_element() + f64::from(radius),
+        Geometry::Sphere { center, radius } | Geometry::Disk { center, radius, .. } => {
+            center.as_dvec3().abs().max_element() + f64::from(radius)
+        }
+        Geometry::Cylinder { base, top, radius, .. } | Geometry::Cone { base, top, radius, .. } => {
+            let [base, top] = [base, top].map(|center| center.as_dvec3());
+            base.abs().max_element() + (top - base).length() + 2.0 * f64::from(radius)
+        }
         Geometry::Plane { point, .. } => point.as_dvec3().abs().max_element(),
         Geometry::Rectangle { corner, edge_u, edge_v } => {
             [corner, edge_u, edge_v].map(|v| v.as_dvec3().abs().max_element()).iter().sum()
@@ -184,6 +197,146 @@ fn rectangle(corner: DVec3, edge_u: DVec3, edge_v: DVec3, ray: &Ray) -> Option<E
     (room > -margin).then_some(event)
 }
 
+fn disk(center: DVec3, normal: DVec3, radius: f64, ray: &Ray) -> Option<Event> {
+    let mut event = plane(center, normal, ray)?;
+    let size = ray.origin.abs().max_element() + center.abs().max_element() + radius;
+    let margin = event.tolerance + ROUNDINGS * EPSILON * (size + event.distance.abs());
+    let room = radius - ray.at(event.distance).distance(center);
+    event.certain &= room > margin;
+    (room > -margin).then_some(event)
+}
+
+/// The part of a cone between two circles, of which a cylinder is one.
+struct Frustum {
+    base: DVec3,
+    /// Unit, from the first circle to the second.
+    axis: DVec3,
+    height: f64,
+    radii: [f64; 2],
+}
+
+/// Where a line is inside of a cone without ends: the roots, each with its answer to whether it is entered there, `None` if the
+/// line is inside nowhere or everywhere.
+type Roots = Option<Vec<(f64, bool)>>;
+
+impl Frustum {
+    fn new(centers: [Vec3; 2], radii: [f32; 2]) -> Self {
+        let [base, top] = centers.map(|center| center.as_dvec3());
+        let height = (top - base).length();
+        Self { base, axis: (top - base) / height, height, radii: radii.map(f64::from) }
+    }
+
+    fn slope(&self) -> f64 {
+        (self.radii[1] - self.radii[0]) / self.height
+    }
+
+    /// Place along the axis, and the vector from the axis.
+    fn local(&self, v: DVec3) -> (f64, DVec3) {
+        let z = v.dot(self.axis);
+        (z, v - z * self.axis)
+    }
+
+    /// Roots on this side of the apex where the radii are larger by `more`, and their squares by as much as that is of the first:
+    /// roundings of squares grow no smaller toward an apex.
+    fn roots(&self, ray: &Ray, more: f64) -> Roots {
+        // Distances count from where the ray passes the middle, or roundings of a far origin would show.
+        let middle = self.base + 0.5 * self.height * self.axis;
+        let direction = ray.direction.normalize();
+        let shift = (middle - ray.origin).dot(direction);
+        let (z, across) = self.local(ray.origin + shift * direction - self.base);
+        let (rise, drift) = self.local(direction);
+        let (width, growth) = (self.radii[0] + more + self.slope() * z, self.slope() * rise);
+        let a = drift.length_squared() - growth * growth;
+        let b = drift.dot(across) - growth * width;
+        let c = across.length_squared() - width * width - more * self.radii[0];
+        let root = (b * b - a * c).sqrt();
+        let [first, second] =
+            if b < 0.0 { [(root - b) / a, c / (root - b)] } else { [-(b + root) / a, -c / (b + root)] };
+        let (near, far) = (shift + first.min(second), shift + first.max(second));
+        match () {
+            () if a > 0.0 && near <= far => Some(vec![(near, true), (far, false)]),
+            () if a < 0.0 && near <= far => Some(vec![if growth > 0.0 { (far, true) } else { (near, false) }]),
+            // With larger radii there is a way through where the apex is.
+            () if a < 0.0 => Some(vec![]),
+            () => None,
+        }
+    }
+
+    /// Crossings of the side as if it had no ends, each with whether it is entered, and whether all of them are certain. `None`: the
+    /// line passes it by.
+    fn side(&self, ray: &Ray) -> Option<(Vec<(Event, bool)>, bool)> {
+        let size = ray.origin.abs().max_element() + self.base.abs().max_element();
+        let moved = (ROUNDINGS * EPSILON * (size + self.height + 2.0 * self.radii[0]) + ray.origin_error)
+            * (1.0 + self.slope().abs());
+        let (inner, outer) = (self.roots(ray, -moved), self.roots(ray, moved)?);
+        let nominal = self.roots(ray, 0.0);
+        let certain = inner.is_some();
+        // Rays that graze the side, or nearly run along it, meet it anywhere between these.
+        let roots = nominal.unwrap_or_else(|| {
+            let middle = outer.iter().map(|root| root.0).sum::<f64>() / outer.len() as f64;
+            outer.iter().map(|root| (middle, root.1)).collect()
+        });
+        let spread = |of: &Roots, distance: f64| {
+            let nearest = of.iter().flatten().map(|root| (root.0 - distance).abs());
+            nearest.fold(f64::INFINITY, f64::min)
+        };
+        let outer = Some(outer);
+        let event = |(distance, enters): (f64, bool)| {
+            let inner_spread = if certain { spread(&inner, distance) } else { 0.0 };
+            let has_outer = outer.iter().flatten().next().is_some();
+            let outer_spread = if has_outer { spread(&outer, distance) } else { 3.0 * inner_spread };
+            let tolerance = moved + outer_spread.max(inner_spread);
+            let (z, across) = self.local(ray.at(distance) - self.base);
+            let radius = (self.radii[0] + self.slope() * z).abs();
+            let normal = (across.normalize_or_zero() - self.slope() * self.axis).normalize();
+            let normal_tolerance = 2.0 * (tolerance + moved) / radius.max(1e-30) + ROUNDINGS * EPSILON;
+            (Event { distance, tolerance, normal, normal_tolerance, certain }, enters)
+        };
+        Some((roots.into_iter().map(event).collect(), certain))
+    }
+
+    /// Crossings of the planes of both ends.
+    fn ends(&self, ray: &Ray) -> [Option<(Event, bool)>; 2] {
+        [(self.base, -self.axis), (self.base + self.height * self.axis, self.axis)].map(|(center, normal)| {
+            // A ray along the planes meets them far away, on its side of them.
+            let tilted = Ray { direction: ray.direction + 1e-30 * self.axis, ..*ray };
+            let event = plane(center, normal, &tilted)?;
+            Some((event, normal.dot(tilted.direction) < 0.0))
+        })
+    }
+
+    /// Bound on the error of a place along the axis.
+    fn margin(&self, event: &Event, ray: &Ray) -> f64 {
+        let size = ray.origin.abs().max_element() + self.base.abs().max_element() + self.height + 2.0 * self.radii[0];
+        event.tolerance + ROUNDINGS * EPSILON * (size + event.distance.abs())
+    }
+
+    fn events(&self, capped: bool, ray: &Ray) -> Vec<Event> {
+        let (side, certain) = match self.side(ray) {
+            Some(side) => side,
+            // A line along the axis is inside everywhere.
+            None if capped => {
+                let (_, across) = self.local(ray.origin - self.base);
+                let (_, drift) = self.local(ray.direction);
+                if across.length() > self.radii[0] || drift.length() > 1e-6 {
+                    return vec![];
+                }
+                (vec![], true)
+            }
+            None => return vec![],
+        };
+        if !capped {
+            let place = |event: &Event| self.local(ray.at(event.distance) - self.base).0;
+            let room = |event: &Event| place(event).min(self.height - place(event));
+            let near = side.into_iter().map(|(event, _)| event);
+            let near = near.filter(|event| room(event) > -self.margin(event, ray));
+            return near.map(|e| Event { certain: e.certain && room(&e) > self.margin(&e, ray), ..e }).collect();
+        }
+        let crossings: Vec<_> = side.into_iter().chain(self.ends(ray).into_iter().flatten()).collect();
+        convex(&crossings, certain)
+    }
+}
+
 fn turned_box(center: DVec3, half: DVec3, axes: DMat3, ray: &Ray) -> Vec<Event> {
     let origin = axes.transpose() * (ray.origin - center);
     let direction = axes.transpose() * ray.direction;
@@ -205,21 +358,26 @@ fn turned_box(center: DVec3, half: DVec3, axes: DMat3, ray: &Ray) -> Vec<Event> 
             crossings.push((event, side * d < 0.0));
         }
     }
+    convex(&crossings, true)
+}
+
+/// Surfaces of a convex body, from the crossings of all its sides, each as if it had no end, with whether it is entered there.
+fn convex(crossings: &[(Event, bool)], certain: bool) -> Vec<Event> {
     let of = |entering: bool| crossings.iter().filter(move |(_, e)| *e == entering).map(|(event, _)| *event);
     let (near, far) = (boundary(of(true).map(flipped).collect()), boundary(of(false).collect()));
     let near = near.into_iter().map(flipped);
-    // The last slab to be entered must be entered before the first is left.
+    // The last side to be entered must be entered before the first is left.
     let bounds = |sign: f64| {
         let entered = near.clone().map(|e| e.distance + sign * e.tolerance).fold(f64::NEG_INFINITY, f64::max);
         let left = far.iter().map(|e| e.distance - sign * e.tolerance).fold(f64::INFINITY, f64::min);
         entered < left
     };
-    let (certain, possible) = (bounds(1.0), bounds(-1.0));
+    let (certain, possible) = (certain && bounds(1.0), bounds(-1.0));
     let surfaces = near.chain(far.clone()).map(|e| Event { certain, ..e });
     if possible { surfaces.collect() } else { vec![] }
 }
 
-/// Keeps those crossings out of the three slabs that may come first.
+/// Keeps those crossings of a body's sides that may come first.
 fn boundary(mut events: Vec<Event>) -> Vec<Event> {
     let first = events.iter().map(|e| e.distance + e.tolerance).fold(f64::INFINITY, f64::min);
     events.retain(|e| e.distance - e.tolerance <= first);

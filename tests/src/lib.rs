@@ -11,6 +11,6 @@ pub mod random;
 pub mod render;
 pub mod statistics;
 
-pub use devices::{TestDevice, for_each_device, for_each_way};
+pub use devices::{TestDevice, for_each_device, for_each_device_with, for_each_way};
 pub use random::Pcg;
 pub use render::{Estimate, estimate, parse, render, render_range};

@@ -7,12 +7,12 @@ use std::process::Command;
 use raggio_tests::devices::{lacks, long};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
-const PATCH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/guides/disk.patch");
+const PATCH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/guides/ring.patch");
 
 /// Everything that cargo and the tests read.
 const PARTS: [&str; 7] = ["Cargo.toml", "Cargo.lock", "crates", "docs", "kernels", "scenes", "tests"];
 
-/// What is run on the tree with the disk.
+/// What is run on the tree with the ring.
 const CHECKS: [&str; 3] = [
     "test --release -p raggio-scene -p raggio-render",
     "test --release -p raggio-tests shapes::",
@@ -29,7 +29,7 @@ fn apply(folder: &Path, options: &[&str]) -> bool {
     git.arg("apply").args(options).arg(PATCH).current_dir(folder);
     // A repository further up would have git take the patch for its own.
     git.env("GIT_CEILING_DIRECTORIES", folder.parent().expect("it is in a folder"));
-    succeed(git, "the disk's patch does not fit the tree, or is in it: apply it with --reject, mend it, write it anew");
+    succeed(git, "the ring's patch does not fit the tree, or is in it: apply it with --reject, mend it, write it anew");
     true
 }
 
@@ -53,14 +53,14 @@ fn copy(from: &Path, to: &Path) {
 }
 
 #[test]
-fn the_disk_fits_the_tree() {
+fn the_ring_fits_the_tree() {
     let root = fs::canonicalize(ROOT).expect("the tree is here");
     apply(&root, &["--check"]);
 }
 
 /// Always in one folder, of which cargo keeps what it has built.
 #[test]
-fn the_disk_passes_the_tests() {
+fn the_ring_passes_the_tests() {
     if !long() {
         return;
     }
@@ -86,7 +86,7 @@ fn the_disk_passes_the_tests() {
         cargo.args(arguments.split(' ')).arg("--locked").current_dir(&tree);
         cargo.env("CARGO_TARGET_DIR", folder.join("target")).env("RAGGIO_KERNEL_LEVELS", "native").env("PATH", &path);
         let start = std::time::Instant::now();
-        succeed(cargo, "the tree with the disk of CONTRIBUTING.md fails");
+        succeed(cargo, "the tree with the ring of CONTRIBUTING.md fails");
         println!("cargo {arguments}: {:.0} s", start.elapsed().as_secs_f64());
     }
 }

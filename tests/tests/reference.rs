@@ -155,6 +155,12 @@ mod path {
         matches_reference("weekend", Integrator::Path);
     }
 
+    /// Fog, smoke, and milk behind a smooth boundary; the picture is of `volpath` (`tests/data/reference/media.py`).
+    #[test]
+    fn media() {
+        looks_like_reference("media", super::scene("media"), Integrator::Path, 4096);
+    }
+
     /// The scene's model and sky are others' files, and not in the project.
     #[test]
     fn bunny() {

@@ -5,7 +5,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, Unkno
 use clap::{Args, Parser, Subcommand};
 use raggio_render::{
     Aov, Choice, CpuOptions, DeviceChoice, DeviceSelection, Every, FrameRate, Frames, OpenOptions, PictureFormat,
-    PngBits, ToneMapper, endings,
+    PngBits, ToneMapper, Tracer, endings,
 };
 use raggio_scene::{AssetOptions, Filter, Integrator, ModelFormat, Sampler};
 
@@ -219,6 +219,8 @@ pub struct BenchArguments {
     /// Threads of the cpu device [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub threads: Option<u32>,
+    #[command(flatten)]
+    pub tracer: TracerArguments,
     /// Seconds of sampling on each scene
     #[arg(long, value_name = "SECONDS", value_parser = positive, default_value_t = 5.0)]
     pub seconds: f32,
@@ -230,7 +232,7 @@ pub struct BenchArguments {
 impl BenchArguments {
     /// Options for opening a device.
     pub fn options(&self) -> OpenOptions {
-        open_options(self.threads)
+        open_options(self.threads, &self.tracer)
     }
 }
 
@@ -301,6 +303,8 @@ pub struct MachineArguments {
     /// Threads of the cpu device; where there are fewer cores, 64 at most [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub threads: Option<u32>,
+    #[command(flatten)]
+    pub tracer: TracerArguments,
     /// Say nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
@@ -309,14 +313,23 @@ pub struct MachineArguments {
 impl MachineArguments {
     /// Options for opening a device.
     pub fn options(&self) -> OpenOptions {
-        open_options(self.threads)
+        open_options(self.threads, &self.tracer)
     }
 }
 
+/// Tracing of rays by GPUs.
+#[derive(Args)]
+pub struct TracerArguments {
+    /// Who finds what rays meet on a GPU
+    #[arg(long, value_name = "NAME", value_parser = one_of::<Tracer>(), default_value_t = Tracer::Auto)]
+    pub tracer: Tracer,
+}
+
 /// Options for opening a device. `RAGGIO_VALIDATE=1` turns on the Vulkan validation layers.
-fn open_options(threads: Option<u32>) -> OpenOptions {
+fn open_options(threads: Option<u32>, tracer: &TracerArguments) -> OpenOptions {
     OpenOptions {
         cpu: CpuOptions { threads: threads.unwrap_or(0) as usize, ..CpuOptions::default() },
+        tracer: tracer.tracer,
         validate: std::env::var_os("RAGGIO_VALIDATE").is_some_and(|value| value == "1"),
         instance: None,
         cache: raggio_render::cache_folder(),

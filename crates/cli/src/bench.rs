@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use raggio_render::{Device, DeviceError, DeviceInfo, Progress, RenderRequest, Rendering, Stop};
+use raggio_render::{Device, DeviceError, DeviceInfo, Progress, RenderRequest, Rendering, Stop, Tracer};
 use raggio_scene::{Integrator, Scene, counted};
 use serde_json::{Value, json};
 
@@ -57,6 +57,8 @@ struct Measured {
     rays: u64,
     /// Time of sampling.
     seconds: f64,
+    /// Who found what rays met.
+    tracer: Option<Tracer>,
 }
 
 impl Measured {
@@ -76,6 +78,7 @@ impl Measured {
         json!({
             "scene": self.subject.name,
             "triangles": self.triangles,
+            "tracer": self.tracer.map(Tracer::name),
             "samples": self.samples,
             "rays": self.rays,
             "seconds": self.seconds,
@@ -168,7 +171,8 @@ fn measure(device: &dyn Device, subject: &'static Subject, scene: &Scene, second
         ))
         .into());
     }
-    Ok(Measured { subject, triangles: rendered.triangles, samples, rays, seconds: rendered.progress.seconds })
+    let (triangles, tracer, seconds) = (rendered.triangles, rendered.tracer, rendered.progress.seconds);
+    Ok(Measured { subject, triangles, samples, rays, seconds, tracer })
 }
 
 /// Geometric mean of all scores: twice the speed on one scene counts as much as on another.

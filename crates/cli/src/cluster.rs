@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use raggio_render::{Checkpoints, DeviceChoice, Every, Film, Progress, Rendering, UNLIMITED_SAMPLES};
+use raggio_render::{Checkpoints, DeviceChoice, Every, Film, Progress, Rendering, UNLIMITED_SAMPLES, gpu_of};
 use raggio_scene::{Assets, RenderSettings, counted, display_name, is_model, scene_text};
 use serde_json::{Value, json};
 
@@ -27,7 +27,7 @@ const EVERY: f64 = 60.0;
 
 /// Renders a picture on the cluster at `address`, and writes all files.
 pub fn run(job: Job, address: &str, arguments: &RenderArguments, assets: &mut Assets) -> Result<(), Failure> {
-    let Job { start, mut scene, mut request, files, denoiser, machine, overrides, progress } = job;
+    let Job { start, mut scene, mut request, files, denoiser, machine, opening: _, overrides, progress } = job;
     if request.stop.noise.is_some() {
         let message = "--noise judges the whole picture, of which each machine of a cluster has a part: give --samples or \
                        --time-limit";
@@ -60,6 +60,7 @@ pub fn run(job: Job, address: &str, arguments: &RenderArguments, assets: &mut As
         "samples": [samples.start, samples.end],
         "integrator": scene.render.integrator.to_string(),
         "device": device(machine),
+        "tracer": machine.tracer.tracer.name(),
         "threads": machine.threads,
         "time_limit": request.stop.time_limit,
         "film": kept.path,
@@ -96,8 +97,10 @@ pub fn run(job: Job, address: &str, arguments: &RenderArguments, assets: &mut As
         files,
         denoiser,
         device: &summary.devices(),
+        gpu: gpu_of(&*device),
         settings: &scene.render,
         setup: Setup {
+            start,
             seconds: (start.elapsed().as_secs_f64() - summary.seconds).max(0.0),
             read_seconds: None,
             open_seconds,
@@ -257,6 +260,7 @@ fn options(arguments: &RenderArguments) -> Vec<String> {
         ("--camera", assets.camera.clone()),
         ("--fps", Some(frames.fps.per_second().to_string())),
         ("--device", Some(device(&arguments.machine))),
+        ("--tracer", Some(arguments.machine.tracer.tracer.to_string())),
         ("--samples", overrides.samples.map(|range| format!("{}..{}", range.start, range.end))),
         ("--size", overrides.size.map(|size| format!("{}x{}", size.width, size.height))),
         ("--max-depth", overrides.max_depth.map(|depth| depth.to_string())),

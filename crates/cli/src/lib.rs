@@ -8,6 +8,7 @@ mod files;
 mod listing;
 mod manual;
 mod merge;
+mod opening;
 mod order;
 mod output;
 mod progress;

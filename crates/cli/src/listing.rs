@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use raggio_render::DeviceScene;
+use raggio_render::{Denoiser, DeviceScene, Tracer};
 use raggio_scene::{AssetOptions, Assets, Counts, Scene, counted, display_name, is_model};
 
 use crate::error::Failure;
@@ -16,7 +16,11 @@ pub fn devices() -> Result<(), Failure> {
     let driver_width = width(&|i| devices[i].driver.len());
     for device in &devices {
         let state = if device.missing.is_empty() {
-            "ready".into()
+            let more = match (device.has_ray_queries, device.tracer) {
+                (true, Tracer::Software) => ", by ray queries with --tracer hardware",
+                _ => "",
+            };
+            format!("ready, traces rays by {}{more}", device.tracer)
         } else {
             format!("cannot be used: lacks {}", device.missing.join(", "))
         };
@@ -32,7 +36,15 @@ pub fn devices() -> Result<(), Failure> {
     if let Some(trouble) = trouble {
         print(format_args!("vulkan    none: {trouble}"))?;
     }
-    Ok(())
+    match Denoiser::open() {
+        Ok(denoiser) => {
+            let gpus = denoiser.gpus();
+            let gpus = gpus.iter().map(|(gpu, interface)| format!("{} ({})", gpu.name, interface.name()));
+            let places: Vec<_> = gpus.chain(["the CPU".into()]).collect();
+            print(format_args!("denoiser  {} on {}", denoiser.name(), places.join(", ")))
+        }
+        Err(error) => print(format_args!("denoiser  none: {error}")),
+    }
 }
 
 pub fn check(path: &Path, options: AssetOptions) -> Result<(), Failure> {

@@ -10,6 +10,7 @@ use crate::args::{DemoArguments, RenderArguments};
 use crate::cluster;
 use crate::error::Failure;
 use crate::files::{Files, Wanted, denoiser};
+use crate::opening::Opening;
 use crate::order::{checkpoints, request, wanted};
 use crate::progress::ProgressStyle;
 use crate::run::{Job, run};
@@ -26,6 +27,8 @@ pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
     if let Some(frames) = &arguments.frames.frames {
         return sequence::render(arguments, frames, start);
     }
+    let opens = if arguments.cluster.is_none() { Opening::begin } else { Opening::later };
+    let opening = opens(&arguments.machine);
     let mut assets = Assets::new(arguments.assets.options(arguments.overrides.size));
     let mut scene = Scene::load_with(&arguments.scene, &mut assets)?;
     scene.render.integrator = arguments.integrator;
@@ -46,7 +49,7 @@ pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
     request.checkpoints = checkpoints(&arguments.checkpoints, wanted.checkpoint, &files, &arguments.scene);
     let (machine, overrides) = (&arguments.machine, &arguments.overrides);
     let (denoiser, progress) = (denoiser.as_ref(), arguments.progress);
-    let job = Job { start, scene, request, files: &files, denoiser, machine, overrides, progress };
+    let job = Job { start, scene, request, files: &files, denoiser, machine, opening, overrides, progress };
     match &arguments.cluster {
         Some(address) => cluster::run(job, address, arguments, &mut assets),
         None => run(job),
@@ -56,6 +59,7 @@ pub fn render(arguments: &RenderArguments) -> Result<(), Failure> {
 /// Runs `raggio demo`.
 pub fn demo(arguments: &DemoArguments) -> Result<(), Failure> {
     let start = Instant::now();
+    let opening = Opening::begin(&arguments.machine);
     let mut scene = Scene::parse(SHOWCASE, "showcase.toml")?;
     scene.render.integrator = Integrator::Path;
     let request = RenderRequest {
@@ -75,5 +79,5 @@ pub fn demo(arguments: &DemoArguments) -> Result<(), Failure> {
     let files = Files::new(&wanted, &[])?;
     let (machine, overrides) = (&arguments.machine, &arguments.overrides);
     let progress = ProgressStyle::Auto;
-    run(Job { start, scene, request, files: &files, denoiser: None, machine, overrides, progress })
+    run(Job { start, scene, request, files: &files, denoiser: None, machine, opening, overrides, progress })
 }

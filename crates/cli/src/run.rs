@@ -5,18 +5,19 @@ use std::path::Path;
 use std::time::Instant;
 
 use raggio_render::{
-    Checkpoints, Denoiser, Device, DeviceError, Display, Fingerprint, ImageFile, Observer, Phase, Picture, Progress,
-    RenderRequest, Rendered, Rendering, Stop, UNLIMITED_SAMPLES,
+    Checkpoints, Denoiser, Device, DeviceError, DeviceScene, Display, Fingerprint, Gpu, ImageFile, Observer, Phase,
+    Picture, Progress, RenderError, RenderRequest, Rendered, Rendering, Stop, UNLIMITED_SAMPLES, gpu_of,
 };
 use raggio_scene::{RenderSettings, Scene, counted, display_name};
 
 use crate::args::{MachineArguments, Overrides};
 use crate::error::Failure;
 use crate::files::Files;
+use crate::opening::Opening;
 use crate::output::say;
 use crate::progress::{End, ProgressStyle, Reporter};
 use crate::signals::{self, Stopped};
-use crate::stats::{Setup, Stats};
+use crate::stats::{Setup, Stats, Written};
 
 /// A render and all that is wanted of it.
 pub struct Job<'a> {
@@ -26,32 +27,36 @@ pub struct Job<'a> {
     pub files: &'a Files,
     pub denoiser: Option<&'a Denoiser>,
     pub machine: &'a MachineArguments,
+    /// Device, which is opened meanwhile.
+    pub opening: Opening<'a>,
     pub overrides: &'a Overrides,
     pub progress: ProgressStyle,
 }
 
 /// Renders, writes all files, and says how it went.
 pub fn run(job: Job) -> Result<(), Failure> {
-    let Job { start, mut scene, mut request, files, denoiser, machine, overrides, progress } = job;
+    let Job { start, mut scene, mut request, files, denoiser, machine, opening, overrides, progress } = job;
     let read_seconds = Some(start.elapsed().as_secs_f64());
     override_settings(&mut scene, overrides);
     request.stop.samples = overrides.samples.map(|range| range.start..range.end);
     let warn = warnings(machine.quiet);
     scene.warnings.iter().for_each(|warning| warn(warning));
     warn_of_left(request.checkpoints.as_ref(), &warn);
-    raggio_render::check_memory(scene.render.width, scene.render.height)?;
-    let opened = Instant::now();
-    let device = open(machine)?;
-    let open_seconds = opened.elapsed().as_secs_f64();
+    request.check_memory(&scene)?;
+    let begun = Instant::now();
+    let translated = DeviceScene::new(&scene).map_err(RenderError::from)?;
+    let translate_seconds = begun.elapsed().as_secs_f64();
+    let (device, open_seconds) = opening.finish(&warn)?;
     let (stop, checkpoint) = (request.stop.clone(), request.checkpoints.as_ref().map(|kept| kept.path.clone()));
-    let mut rendering = Rendering::begin(&scene, &*device, request)?;
+    let mut rendering = Rendering::begin_translated(&scene, translated, &*device, request)?;
+    rendering.note_translation(translate_seconds);
     let target = Target::of(&rendering, &stop);
     let mut reporter = Reporter::new(machine.quiet, progress, target.end);
     reporter.say(&format!("{}, {} on {}", size_of(&scene), target.words, device.name()));
     tell_where_it_goes_on(&rendering, &reporter);
     // A signal ends the program at once as long as there are no samples that it could lose.
     rendering.prepare(&mut reporter)?;
-    let setup = Setup { seconds: start.elapsed().as_secs_f64(), read_seconds, open_seconds };
+    let setup = Setup { start, seconds: start.elapsed().as_secs_f64(), read_seconds, open_seconds };
 
     let mut listener = Listener { reporter, stopped: signals::listen(rendering.stop_flag()) };
     let rendered = rendering.run(&mut listener)?;
@@ -61,6 +66,7 @@ pub fn run(job: Job) -> Result<(), Failure> {
         files,
         denoiser,
         device: &device.name(),
+        gpu: gpu_of(&*device),
         settings: &scene.render,
         setup,
         target: target.samples,
@@ -135,6 +141,8 @@ pub struct Made<'a> {
     pub files: &'a Files,
     pub denoiser: Option<&'a Denoiser>,
     pub device: &'a str,
+    /// GPU of the device, where the denoiser works if it can.
+    pub gpu: Option<Gpu>,
     pub settings: &'a RenderSettings,
     pub setup: Setup,
     /// Samples of each pixel that were asked for.
@@ -155,21 +163,30 @@ impl Made<'_> {
         if let Some(metadata) = &mut self.rendered.picture.extras.metadata {
             metadata.fingerprint = self.fingerprint.filter(|_| !is_stopped);
         }
-        let Self { rendered, files, denoiser, device, settings, setup, target, checkpoint, .. } = &self;
+        let Self { rendered, files, denoiser, device, gpu, settings, setup, target, checkpoint, .. } = &self;
         let (picture, progress) = (&rendered.picture, &rendered.progress);
         reporter.report(&picture.film, progress, if rendered.finished { progress.samples } else { *target });
         // One thing that fails is no reason to lose the others.
         reporter.begin(Phase::Writing);
+        let begun = Instant::now();
         let mut outcome = write(picture, &files.pictures, files.display, &|line| reporter.say(line));
+        let mut times = Written { write_seconds: begun.elapsed().as_secs_f64(), denoise_seconds: None, denoiser: None };
         if let (Some(denoiser), None) = (denoiser, &failure) {
             reporter.begin(Phase::Denoising);
+            let begun = Instant::now();
+            gpu.iter().for_each(|gpu| denoiser.prefer(gpu));
             let denoised = picture.denoised(denoiser).map_err(Failure::from);
             let tell = |line: &str| reporter.say(line);
             let written = denoised.and_then(|picture| write(&picture, &files.denoised, files.display, &tell));
             outcome = both(outcome, written);
+            if let Some(sentence) = denoiser.complaint() {
+                reporter.warn(&sentence);
+            }
+            times.denoise_seconds = Some(begun.elapsed().as_secs_f64());
+            times.denoiser = Some(format!("{} on {}", denoiser.name(), denoiser.place()));
         }
         if let Some(file) = &files.stats {
-            let stats = Stats { device, rendered, settings, setup: *setup };
+            let stats = Stats { device, rendered, settings, setup: *setup, written: times };
             outcome = both(outcome, stats.write(file));
         }
         if let Err(Failure::Unwritten(message)) = outcome {

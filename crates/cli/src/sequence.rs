@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use raggio_render::{
     Aov, Denoiser, Device, DeviceScene, Fingerprint, Frames, ImageFile, Pattern, RenderRequest, Rendering,
-    UNLIMITED_SAMPLES,
+    UNLIMITED_SAMPLES, gpu_of,
 };
 use raggio_scene::{Assets, Scene, counted, display_name, is_model, scene_text};
 
@@ -264,7 +264,8 @@ impl Job<'_> {
         match &mut self.started {
             Some(started) => {
                 started.rendering.next_frame(scene, translated.clone(), self.request.checkpoints.clone())?;
-                started.setup = Setup { seconds: begun.elapsed().as_secs_f64(), read_seconds: None, open_seconds: 0.0 };
+                let seconds = begun.elapsed().as_secs_f64();
+                started.setup = Setup { start: begun, seconds, read_seconds: None, open_seconds: 0.0 };
             }
             None => self.start(scene, translated)?,
         }
@@ -281,6 +282,7 @@ impl Job<'_> {
             files,
             denoiser,
             device: &device.name(),
+            gpu: gpu_of(&**device),
             settings: &scene.render,
             setup: *setup,
             target: *target,
@@ -364,7 +366,8 @@ impl Job<'_> {
         reporter.say(&format!("{frames} of {}, {} on {}", size_of(scene), target.words, device.name()));
         rendering.prepare(&mut reporter)?;
         let listener = Listener { reporter, stopped: signals::listen(rendering.stop_flag()) };
-        let setup = Setup { seconds: self.setup.elapsed().as_secs_f64(), read_seconds: None, open_seconds };
+        let (start, seconds) = (self.setup, self.setup.elapsed().as_secs_f64());
+        let setup = Setup { start, seconds, read_seconds: None, open_seconds };
         self.started = Some(Started { device, rendering, listener, target: target.samples, setup });
         Ok(())
     }

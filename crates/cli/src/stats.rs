@@ -1,4 +1,6 @@
-use raggio_render::{OutputFile, Preparation, Rendered};
+use std::time::Instant;
+
+use raggio_render::{Development, OutputFile, Preparation, Rendered, Tracer};
 use raggio_scene::RenderSettings;
 use serde_json::json;
 
@@ -10,11 +12,25 @@ pub struct Stats<'a> {
     pub rendered: &'a Rendered,
     pub settings: &'a RenderSettings,
     pub setup: Setup,
+    pub written: Written,
+}
+
+/// Time that goes by once the picture is there.
+#[derive(Default)]
+pub struct Written {
+    /// Part of it in which the picture was encoded and written.
+    pub write_seconds: f64,
+    /// Part of it in which its noise was removed, and in which that picture was written; `None` where nobody wants that.
+    pub denoise_seconds: Option<f64>,
+    /// Name of the denoiser and of what it worked on.
+    pub denoiser: Option<String>,
 }
 
 /// Time before the first sample, but for what the render itself knows of it.
 #[derive(Clone, Copy)]
 pub struct Setup {
+    /// Moment at which the program began, or the frame.
+    pub start: Instant,
     /// All of it, from the start of the program or of the frame.
     pub seconds: f64,
     /// Part of it in which the scene was read; `None` where it was read beside other work.
@@ -30,8 +46,11 @@ impl Stats<'_> {
         let rays = film.rays();
         let Preparation { translate_seconds, upload_seconds, compile_seconds, compile_wait_seconds } =
             self.rendered.preparation;
+        let Development { film_seconds, layers_seconds } = self.rendered.development;
         let stats = json!({
             "device": self.device,
+            "denoiser": self.written.denoiser,
+            "tracer": self.rendered.tracer.map(Tracer::name),
             "width": film.width(),
             "height": film.height(),
             "samples_per_pixel": film.sample_range().0,
@@ -44,6 +63,11 @@ impl Stats<'_> {
             "compile_seconds": compile_seconds,
             "compile_wait_seconds": compile_wait_seconds,
             "render_seconds": progress.seconds,
+            "film_seconds": film_seconds,
+            "layers_seconds": layers_seconds,
+            "write_seconds": self.written.write_seconds,
+            "denoise_seconds": self.written.denoise_seconds,
+            "total_seconds": self.setup.start.elapsed().as_secs_f64(),
             "samples_per_second": progress.total_samples as f64 / seconds,
             "rays": rays,
             "rays_per_second": rays as f64 / seconds,

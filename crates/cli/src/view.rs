@@ -1,6 +1,7 @@
 //! The command `raggio view`: arguments in, a window of the viewer, figures out.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use raggio_viewer::{Options, Report, view as open};
 use serde_json::json;
@@ -11,6 +12,7 @@ use crate::files::{check_apart, output_file};
 
 /// Opens the window.
 pub fn view(arguments: &ViewArguments) -> Result<(), Failure> {
+    let start = Instant::now();
     let file = arguments.stats.as_deref().map(output_file).transpose()?;
     check_apart(file.as_slice(), &inputs(arguments))?;
     #[cfg(unix)]
@@ -27,6 +29,7 @@ pub fn view(arguments: &ViewArguments) -> Result<(), Failure> {
         play: arguments.play.clone(),
         watch_kernels: arguments.watch_kernels.clone(),
         hidden: arguments.hidden,
+        start,
         outputs: file.iter().cloned().collect(),
     };
     let report = open(&options)?;
@@ -69,9 +72,16 @@ fn stats(report: &Report) -> serde_json::Value {
                 "median_ms": pacing.median,
                 "percentile_99_ms": pacing.percentile_99,
                 "longest_ms": pacing.longest,
+                "samples": pacing.samples,
             });
             (pacing.section.clone(), figures)
         })
         .collect();
-    json!({ "device": report.device, "sections": sections, "validation_messages": report.validation_messages })
+    json!({
+        "device": report.device,
+        "denoiser": report.denoiser,
+        "first_picture_seconds": report.first_picture_seconds,
+        "sections": sections,
+        "validation_messages": report.validation_messages,
+    })
 }

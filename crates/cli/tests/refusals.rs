@@ -101,6 +101,7 @@ fn wrong_arguments_are_explained() {
     refused(&["--seed", "x"], "'x'");
     refused(&["--device", "gpu"], "give auto, cpu, vulkan or vulkan:N, with N as in `raggio devices`");
     refused(&["--device", "vulkan:x"], "give auto, cpu, vulkan or vulkan:N");
+    refused(&["--tracer", "magic"], "possible values: auto, software, hardware");
     refused(&["--exposure", "nan"], "give stops between -32 and 32");
     refused(&["--exposure", "200"], "give stops between -32 and 32");
     refused(&["--integrator", "magic"], "possible values: path, reference");
@@ -127,6 +128,18 @@ fn a_device_that_is_not_there_is_status_3() {
     assert!(!folder.path().join("scene.png").exists());
 }
 
+/// The CPU has no hardware that traces rays, and nobody who asks for it gets anything else.
+#[test]
+fn hardware_that_is_not_there_is_status_3() {
+    let folder = folder_with(SCENE);
+    let output = raggio(folder.path(), &["render", "scene.toml", "--device", "cpu", "--tracer", "hardware"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert_eq!(
+        text(&output.stderr),
+        "error: nothing that is cpu here traces rays by hardware: `raggio devices` says what does, and `--tracer auto` does without\n"
+    );
+}
+
 #[test]
 fn too_many_media_around_the_camera_are_refused() {
     let sphere = |i: u32| {
@@ -150,7 +163,7 @@ fn listings_go_to_standard_output() {
     let devices = raggio(here, &["devices"]);
     assert!(devices.status.success());
     let first = text(&devices.stdout).lines().next().unwrap_or_default().to_owned();
-    assert!(first.starts_with("cpu ") && first.ends_with("ready"), "{first}");
+    assert!(first.starts_with("cpu ") && first.ends_with("ready, traces rays by software"), "{first}");
 
     let schema = raggio(here, &["schema"]);
     assert!(schema.status.success());

@@ -96,6 +96,8 @@ fn the_command_line_overrides_the_scene() {
         keys,
         [
             "device",
+            "denoiser",
+            "tracer",
             "width",
             "height",
             "samples_per_pixel",
@@ -108,6 +110,11 @@ fn the_command_line_overrides_the_scene() {
             "compile_seconds",
             "compile_wait_seconds",
             "render_seconds",
+            "film_seconds",
+            "layers_seconds",
+            "write_seconds",
+            "denoise_seconds",
+            "total_seconds",
             "samples_per_second",
             "rays",
             "rays_per_second",
@@ -118,11 +125,16 @@ fn the_command_line_overrides_the_scene() {
             "clamped_share",
         ]
     );
+    assert_eq!(stats["tracer"], "software", "the CPU has no other");
     assert_eq!((&stats["width"], &stats["height"]), (&20.into(), &30.into()));
     assert_eq!((&stats["samples_per_pixel"], &stats["max_depth"], &stats["shapes"]), (&3.into(), &2.into(), &1.into()));
     let seconds = |key: &str| stats[key].as_f64().expect("seconds");
     let parts = ["read", "open", "translate", "upload", "compile_wait"].map(|part| seconds(&format!("{part}_seconds")));
     assert!(parts.iter().all(|part| *part >= 0.0) && parts.iter().sum::<f64>() <= seconds("setup_seconds"), "{stats}");
+    let after = ["film", "layers", "write"].map(|part| seconds(&format!("{part}_seconds")));
+    let all = seconds("setup_seconds") + seconds("render_seconds") + after.iter().sum::<f64>();
+    assert!(after.iter().all(|part| *part >= 0.0) && all <= seconds("total_seconds"), "{stats}");
+    assert_eq!([&stats["denoise_seconds"], &stats["denoiser"]], [&serde_json::Value::Null; 2]);
     assert_eq!(seconds("compile_seconds"), 0.0, "the CPU's kernels are part of the program");
     let rays = stats["rays"].as_u64().expect("a count");
     // Each sample traces the camera's ray, and at most one more.
@@ -307,6 +319,44 @@ fn statistics_that_cannot_be_written_are_refused_before_rendering() {
     assert_refused(&output, "cannot write nowhere/s.json: ");
 }
 
+/// Hardware traces the rays of whoever asks for it: software Vulkan passes for it where it answers ray queries.
+#[test]
+fn tracers_are_chosen() {
+    let folder = folder_with(SCENE);
+    let render = |arguments: &[&str]| {
+        let stats = ["render", "scene.toml", "-o", "a.exr", "--stats", "s.json"];
+        program()
+            .args([&stats, arguments].concat())
+            .env("RAGGIO_VALIDATE", "1")
+            .current_dir(folder.path())
+            .output()
+            .expect("raggio starts")
+    };
+    let tracer = || {
+        let stats = std::fs::read_to_string(folder.path().join("s.json")).expect("stats");
+        serde_json::from_str::<serde_json::Value>(&stats).expect("JSON")["tracer"].as_str().map(str::to_owned)
+    };
+    let hardware = render(&["--device", "vulkan", "--tracer", "hardware"]);
+    let said = text(&hardware.stderr);
+    if !hardware.status.success() {
+        // Errors of devices; the first is of machines without Vulkan.
+        let known = ["Vulkan", "traces rays by hardware", "RAGGIO_VALIDATE"].iter().any(|words| said.contains(words));
+        assert!(hardware.status.code() == Some(3) && known, "{said}");
+        let required = std::env::var("RAGGIO_TEST_EVERYTHING").is_ok_and(|value| value == "1");
+        assert!(!required, "RAGGIO_TEST_EVERYTHING=1, scripts/setup.sh --tests installs Mesa 25, and {said}");
+        eprintln!("not tested: {said}");
+        return;
+    }
+    assert!(!said.contains("vulkan validation"), "{said}");
+    assert_eq!(tracer().as_deref(), Some("hardware"));
+    let ours = read_exr(&folder.path().join("a.exr"));
+    assert!(render(&["--device", "vulkan", "--tracer", "software"]).status.success());
+    assert_eq!(tracer().as_deref(), Some("software"));
+    let theirs = read_exr(&folder.path().join("a.exr"));
+    let near = |(a, b): (&f32, &f32)| (a - b).abs() < 1e-4;
+    assert!(ours.2.as_flattened().iter().zip(theirs.2.as_flattened()).all(near));
+}
+
 #[test]
 fn automatic_choice_renders_everywhere_and_validation_is_silent() {
     let folder = folder_with(SCENE);
@@ -339,7 +389,7 @@ fn the_demo_writes_the_showcase() {
 #[test]
 fn every_scene_of_the_project_passes_its_check() {
     let mut checked = 0;
-    for folder in ["scenes", "scenes/notes", "scenes/reference"] {
+    for folder in ["scenes", "scenes/guide", "scenes/notes", "scenes/reference"] {
         for entry in std::fs::read_dir(project_file(folder)).expect("the scenes") {
             let path = entry.expect("an entry").path();
             if path.extension().is_some_and(|e| e == "toml") {

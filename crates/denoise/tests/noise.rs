@@ -1,5 +1,7 @@
 //! Error that denoising leaves in noisy pictures, where the library is installed; and where it is looked for.
 
+mod gpus;
+
 use std::path::Path;
 
 use raggio_denoise::{DenoiseError, Denoiser, Noisy, library_paths};

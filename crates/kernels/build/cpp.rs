@@ -421,19 +421,20 @@ pub fn write_table(levels: &[Level], entry_points: &[String], out: &Path) -> Res
     let mut text = String::from("unsafe extern \"C\" {\n");
     let (mut choices, mut walks, mut widths) = (String::new(), String::new(), String::new());
     for Level { name, suffix, lanes, .. } in levels {
-        let mut choice = |entry: &str, simple: &str, function: &str| {
+        let mut choice = |entry: &str, (simple, media): (&str, &str), function: &str| {
             let _ = writeln!(text, "    fn raggio_{function}_{suffix}(groups: *const [u32; 3], globals: *const u64);");
             let variant = variant_name(entry);
             let _ = writeln!(
                 choices,
-                "        (InstructionSet::{name}, EntryPoint::{variant}, {simple}) => Some(raggio_{function}_{suffix}),"
+                "        (InstructionSet::{name}, EntryPoint::{variant}, {simple}, {media}) => Some(raggio_{function}_{suffix}),"
             );
         };
         if *lanes > 1 {
-            choice("path", "true", "path_simple");
+            choice("path", ("true", "_"), "path_simple");
+            choice("path", ("false", "true"), "path_media");
         }
         for entry in entry_points {
-            choice(entry, "_", entry);
+            choice(entry, ("_", "_"), entry);
         }
         let _ = writeln!(
             text,
@@ -456,8 +457,8 @@ pub fn write_table(levels: &[Level], entry_points: &[String], out: &Path) -> Res
         text,
         "\n/// Words behind the parameters of the kernels in which hand-written code finds its `Traversal`, and its `Counts`.\nconst TRAVERSAL_WORD: usize = {TRAVERSAL_WORD};\nconst COUNTS_WORD: usize = {COUNTS_WORD};"
     );
-    text += "\n/// Function for `entry`, of those that know of principled materials and lights without size or, if `simple`, need not.\n\
-             fn entry_point(set: InstructionSet, entry: EntryPoint, simple: bool) -> Option<Kernel> {\n    match (set, entry, simple) {\n";
+    text += "\n/// Function for `entry`, of those that know of principled materials and lights that are no surfaces or, if `simple`, need not, and of\n/// those that know of media, or need not.\n\
+             fn entry_point(set: InstructionSet, entry: EntryPoint, simple: bool, media: bool) -> Option<Kernel> {\n    match (set, entry, simple, media) {\n";
     text += &choices;
     text += "        #[allow(unreachable_patterns)]\n        _ => None,\n    }\n}\n";
     text += "\n/// Function that follows given rays.\nfn walk_function(set: InstructionSet) -> Option<WalkFunction> {\n    match set {\n";

@@ -29,12 +29,14 @@ const CALLED_BUT_BY_PATHS: [&str; 2] = ["Bsdf_look", "PrincipledBsdf_evaluate"];
 const PATHS: &str = "paths";
 
 /// Kernels of which the C++ compiler gets some at a time: the name of the function that runs them, the place of their variant
-/// in `slangc::LANES`, and their entry points. What most pictures are made with has kernels for simple scenes of its own.
-const GROUPS: [(&str, usize, &[&str]); 4] = [
+/// in `slangc::LANES`, and their entry points. What most pictures are made with has kernels of its own for simple scenes and
+/// for those with media.
+const GROUPS: [(&str, usize, &[&str]); 5] = [
     ("path", 0, &["renew", "find", "shade"]),
     ("path_simple", 1, &["renew", "find", "shade"]),
-    ("inspect", 0, &["inspect"]),
-    ("reference", 0, &["reference"]),
+    ("path_media", 2, &["renew", "find", "shade"]),
+    ("inspect", 2, &["inspect"]),
+    ("reference", 2, &["reference"]),
 ];
 
 /// Functions that the kernels of a group call.

@@ -10,12 +10,13 @@ use crate::cpp::variant_name;
 use crate::declarations::{Declarations, Enumeration};
 
 /// Writes `layout.rs` and `declarations.txt` into the folder `out`, from the kernels' declarations and the places of their
-/// parameters in C++ and in SPIR-V.
+/// parameters in C++, in SPIR-V, and in SPIR-V that asks hardware, of storage buffers and of addresses.
 pub fn generate(
     declarations: &Declarations,
     entry_points: &[String],
     cpp: &Places,
     spirv: &Places,
+    queries: &[Places; 2],
     out: &Path,
 ) -> Result<(), String> {
     let mut types = Types::default();
@@ -34,6 +35,7 @@ pub fn generate(
     text += &scene_buffers(&scene_cpp)?;
     text += &index_checks(&scene_cpp, declarations)?;
     text += &constants_of_places(cpp, spirv, &scene_cpp, &scene_spirv)?;
+    text += &structure_bindings(queries, &scene_spirv)?;
     text += &enumerations_and_constants(declarations);
     text += &entry_point_names(entry_points);
     // Kernels that are compiled later are compared with these: `raggio_kernels::compile`.
@@ -63,6 +65,13 @@ impl Places {
     /// The scene's lists, with their `offset` in C++ or their `index` among the bindings of SPIR-V.
     fn scene(&self, place: &str) -> Result<Vec<Buffer>, String> {
         buffers(self.parameter("scene")?, place)
+    }
+
+    /// Binding of the structure that hardware traces by, in the scene's descriptor set.
+    fn structure(&self) -> Result<u64, String> {
+        let fields = element(self.parameter("scene")?)["fields"].as_array();
+        let field = fields.into_iter().flatten().find(|field| field["name"] == "structure");
+        field.and_then(|field| field["binding"]["index"].as_u64()).ok_or("the scene has no structure".into())
     }
 
     /// Binding of the parameter `name` in SPIR-V, or the descriptor set of one that is a block.
@@ -126,6 +135,7 @@ fn buffers(block: &Value, place: &str) -> Result<Vec<Buffer>, String> {
             let at = base + field["binding"][place].as_u64().ok_or(format!("`{name}` has no place"))?;
             match field["type"]["kind"].as_str() {
                 Some("struct") => walk(&field["type"]["fields"], at, place, found)?,
+                Some("resource") if field["type"]["baseShape"] == "accelerationStructure" => {}
                 Some("resource") => {
                     found.push(Buffer { name, place: at, element: field["type"]["resultType"].clone() })
                 }
@@ -290,6 +300,20 @@ fn constants_of_places(
             "usize",
             cpp.word(name)?.to_string(),
         );
+    }
+    Ok(text)
+}
+
+/// Writes where the structure stands that hardware traces by; the lists around it are where they are without it.
+fn structure_bindings([buffers_of, addresses]: &[Places; 2], lists: &[Buffer]) -> Result<String, String> {
+    let known = buffers_of.scene("index")?;
+    if !known.iter().map(|list| list.place).eq(lists.iter().map(|list| list.place)) {
+        return Err("kernels that ask hardware have the scene's lists at other places".into());
+    }
+    let mut text = String::new();
+    for (name, places) in [("STRUCTURE_BINDING", buffers_of), ("WIDE_STRUCTURE_BINDING", addresses)] {
+        let binding = places.structure()?;
+        let _ = writeln!(text, "/// Binding in the scene's descriptor set.\npub(crate) const {name}: u32 = {binding};");
     }
     Ok(text)
 }

@@ -22,7 +22,7 @@ use jobs::Jobs;
 use lanes::Lanes;
 use layout::Places;
 use slang::Slang;
-use slangc::{LANES, Target, VARIANTS};
+use slangc::{LANES, QUERIES, Target, VARIANTS, WIDE_QUERIES};
 
 fn main() {
     let out = PathBuf::from(std::env::var("OUT_DIR").expect("cargo sets OUT_DIR"));
@@ -73,6 +73,8 @@ fn build(out: &Path) -> Result<(), String> {
         }))?;
         let places = machine_code.join().expect("compiling does not panic")?;
         let in_spirv = Places::read(&spirv.with_extension("json"))?;
-        layout::generate(&declarations, entry_points, &places, &in_spirv, out)
+        let queries = |ending| Places::read(&spirv.with_extension(ending).with_extension("json"));
+        let queries = [queries(QUERIES)?, queries(WIDE_QUERIES)?];
+        layout::generate(&declarations, entry_points, &places, &in_spirv, &queries, out)
     })
 }

@@ -1,7 +1,7 @@
 // Puts the walk of traversal.h in the place of the kernels' own, where the processor and the scene have it.
 //
 // The build script takes the names below from the generated kernels: KERNEL_HIT, KERNEL_RAY and KERNEL_CONTEXT are types,
-// KERNEL_WALK is kernels/tracing.slang's `walk`, KERNEL_OWN_WALK its definition, KERNEL_TRIANGLE_IS_THERE and
+// KERNEL_WALK is kernels/walk.slang's `walk`, KERNEL_OWN_WALK its definition, KERNEL_TRIANGLE_IS_THERE and
 // KERNEL_FIRST_THERE are those of kernels/coverage.slang.
 #include "rays.h"
 

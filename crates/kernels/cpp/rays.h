@@ -18,7 +18,7 @@ namespace raggio {
 constexpr uint32_t NOTHING = 0xffffffffu;
 
 /// Word of `Traversal` that is not 0 where what rays read is in no cache near by: then they take turns.
-constexpr uint32_t IN_TURN_WORD = 8;
+constexpr uint32_t IN_TURN_WORD = 9;
 
 struct TracedRay {
     float origin[3];
@@ -74,6 +74,6 @@ struct Counts {
 
 } // namespace raggio
 
-// Tracing for kernels of several paths, by hook.h: `walk` of kernels/tracing.slang, for rays that each have their hit.
+// Tracing for kernels of several paths, by hook.h: `walk` of kernels/walk.slang, for rays that each have their hit.
 extern "C" void RAGGIO_OF_LEVEL(raggio_walk_)(
     const uint64_t* globals, const raggio::TracedRay* rays, raggio::TracedHit* hits, uint32_t count);

@@ -1,6 +1,6 @@
 // Walk through the hierarchies of eight children a node, for x86 processors with AVX2.
 //
-// What decides a hit is the arithmetic of kernels/tracing.slang and kernels/shapes, operation for operation and without
+// What decides a hit is the arithmetic of kernels/intersections.slang and kernels/shapes, operation for operation and without
 // fused ones, so that both walks find the same bits; tests hold them to that. What decides which boxes are looked into
 // need only be conservative, and may fuse. Among surfaces at one distance the lowest (shape, triangle) is the nearest, in
 // whatever order they are found.
@@ -32,7 +32,7 @@ constexpr uint32_t LEAF = 0x80000000u;
 constexpr uint32_t TRIANGLES_SHIFT = 27;
 constexpr uint32_t PLACE = (1u << TRIANGLES_SHIFT) - 1;
 /// Shapes: their kind, and the place of a block of four or of an instance.
-enum Kind : uint32_t { SPHERES = 0, RECTANGLES = 1, BOXES = 2, INSTANCE = 3 };
+enum Kind : uint32_t { SPHERES = 0, RECTANGLES = 1, BOXES = 2, INSTANCE = 3, ROUNDS = 4 };
 
 /// Four closed forms of one kind, transposed; those that are absent have no shape, and NaN for numbers.
 template <int ROWS> struct alignas(16) Block {
@@ -45,6 +45,7 @@ template <int ROWS> struct alignas(16) Block {
 typedef Block<4> SphereBlock;     // centre, radius
 typedef Block<14> RectangleBlock; // corner, edges, normal, the edges' squares
 typedef Block<15> BoxBlock;       // centre, half its size, its axes
+typedef Block<16> RoundBlock;     // first centre, axes, radius, height, slope, whether it is capped
 
 struct alignas(16) InstanceRecord {
     /// Columns of the map from the world to the mesh.
@@ -75,6 +76,7 @@ struct Traversal {
     const SphereBlock* spheres;
     const RectangleBlock* rectangles;
     const BoxBlock* boxes;
+    const RoundBlock* rounds;
     uint64_t root;
     /// Not 0 where rays that come together take turns: what they read is in no cache near by.
     uint64_t inTurn;
@@ -325,6 +327,70 @@ RAGGIO_INLINE __m128 distances(const BoxBlock& block, const Vector4& origin, con
     return _mm_blendv_ps(inFront(near, far), none, _mm_cmpgt_ps(near, far));
 }
 
+/// `spanOf` and `intersect` of kernels/shapes/round.slang.
+RAGGIO_INLINE __m128 distances(const RoundBlock& block, const Vector4& origin, const Vector4& direction) {
+    const __m128 sign = _mm_set1_ps(-0.0f), zero = _mm_setzero_ps(), none = _mm_set1_ps(INFINITE), least = _mm_set1_ps(-INFINITE);
+    const __m128 one = _mm_set1_ps(1.0f), tiny = _mm_set1_ps(1e-18f);
+    auto negative = [&](__m128 x) { return _mm_xor_ps(x, sign); };
+    auto times = [](__m128 x, __m128 y) { return _mm_mul_ps(x, y); };
+    auto plus = [](__m128 x, __m128 y) { return _mm_add_ps(x, y); };
+    auto less = [](__m128 x, __m128 y) { return _mm_sub_ps(x, y); };
+    auto chosen = [](__m128 mask, __m128 yes, __m128 no) { return _mm_blendv_ps(no, yes, mask); };
+    Vector4 offset = minus(origin, rowsOf(block, 0));
+    Vector4 axisX = rowsOf(block, 3), axisY = rowsOf(block, 6), axisZ = rowsOf(block, 9);
+    __m128 radius = _mm_load_ps(block.rows[12]), height = _mm_load_ps(block.rows[13]), slope = _mm_load_ps(block.rows[14]);
+    __m128 capped = _mm_cmpneq_ps(_mm_load_ps(block.rows[15]), zero);
+    Vector4 from = {dot(offset, axisX), dot(offset, axisY), dot(offset, axisZ)};
+    Vector4 d = {dot(direction, axisX), dot(direction, axisY), dot(direction, axisZ)};
+    Vector4 fromMiddle = {from.x, from.y, less(from.z, times(_mm_set1_ps(0.5f), height))};
+    __m128 toMiddle = negative(dot(fromMiddle, d));
+    Vector4 nearby = along(from, d, toMiddle);
+    __m128 across2 = plus(times(d.x, d.x), times(d.y, d.y)), reach = plus(height, times(_mm_set1_ps(2.0f), radius));
+    __m128 outward = plus(times(d.x, nearby.x), times(d.y, nearby.y));
+    __m128 toAxis = _mm_div_ps(negative(outward), _mm_max_ps(across2, _mm_set1_ps(1e-30f)));
+    toAxis = _mm_min_ps(_mm_max_ps(toAxis, negative(reach)), reach);
+    __m128 shift = plus(toMiddle, toAxis);
+    Vector4 o = along(nearby, d, toAxis);
+
+    __m128 width = plus(radius, times(slope, o.z)), growth = times(slope, d.z);
+    __m128 growth2 = times(growth, growth);
+    __m128 a = less(across2, growth2);
+    __m128 b = less(plus(times(d.x, o.x), times(d.y, o.y)), times(growth, width));
+    __m128 fromAxis2 = plus(times(o.x, o.x), times(o.y, o.y)), width2 = times(width, width), c = less(fromAxis2, width2);
+    __m128 discriminant = less(times(b, b), times(a, c));
+    __m128 root = _mm_sqrt_ps(_mm_max_ps(discriminant, zero));
+    __m128 ahead = less(root, b), behind = negative(plus(b, root)), isAhead = _mm_cmplt_ps(b, zero);
+    __m128 larger = chosen(isAhead, ahead, behind), smaller = chosen(isAhead, behind, ahead);
+    __m128 steep = _mm_cmple_ps(a, zero);
+    __m128 divisor = chosen(steep, _mm_min_ps(a, _mm_set1_ps(-1e-30f)), a), first = _mm_div_ps(larger, divisor);
+    __m128 byProduct = _mm_cmplt_ps(times(magnitudes(a), plus(fromAxis2, width2)), times(larger, larger));
+    __m128 second = chosen(byProduct, _mm_div_ps(c, larger), _mm_div_ps(smaller, divisor));
+    __m128 low = _mm_min_ps(first, second), high = _mm_max_ps(first, second);
+    __m128 grows = _mm_cmplt_ps(zero, growth);
+    __m128 enter = chosen(steep, chosen(grows, high, least), low), leave = chosen(steep, chosen(grows, none, low), high);
+    __m128 parallel = _mm_cmplt_ps(_mm_max_ps(across2, growth2), _mm_set1_ps(1e-24f));
+    __m128 flat = _mm_cmplt_ps(magnitudes(d.z), tiny);
+    __m128 misses = _mm_or_ps(
+        chosen(parallel, _mm_cmplt_ps(zero, c), _mm_andnot_ps(steep, _mm_cmplt_ps(discriminant, zero))),
+        _mm_and_ps(_mm_cmpeq_ps(height, zero), flat));
+    enter = chosen(misses, none, chosen(parallel, least, plus(enter, shift)));
+    leave = chosen(misses, least, chosen(parallel, none, plus(leave, shift)));
+
+    __m128 smallest = chosen(_mm_cmplt_ps(d.z, zero), negative(tiny), tiny);
+    __m128 reciprocal = _mm_div_ps(one, chosen(flat, smallest, d.z));
+    __m128 bottom = times(negative(from.z), reciprocal), top = times(less(height, from.z), reciprocal);
+    __m128 endsEnter = _mm_min_ps(bottom, top), endsLeave = _mm_max_ps(bottom, top);
+
+    __m128 near = chosen(capped, _mm_max_ps(enter, endsEnter), enter), far = chosen(capped, _mm_min_ps(leave, endsLeave), leave);
+    auto meets = [&](__m128 t) {
+        __m128 between = _mm_and_ps(_mm_cmpge_ps(t, endsEnter), _mm_cmple_ps(t, endsLeave));
+        return _mm_and_ps(_mm_cmple_ps(near, far), _mm_or_ps(capped, between));
+    };
+    __m128 meetsNear = _mm_and_ps(meets(near), _mm_cmplt_ps(zero, near));
+    __m128 meetsFar = _mm_and_ps(meets(far), _mm_cmplt_ps(zero, far));
+    return chosen(meetsNear, near, chosen(meetsFar, far, none));
+}
+
 template <int ROWS, class Holes>
 RAGGIO_INLINE void intersectBlock(
     const Block<ROWS>& block, const float* origin, const float* direction, const Holes& holes, TracedHit& hit)
@@ -503,6 +569,7 @@ RAGGIO_INLINE void walk(const Traversal& all, const TracedRay& ray, const Holes&
             case SPHERES: intersectBlock(all.spheres[place], ray.origin, ray.direction, holes, hit); break;
             case RECTANGLES: intersectBlock(all.rectangles[place], ray.origin, ray.direction, holes, hit); break;
             case BOXES: intersectBlock(all.boxes[place], ray.origin, ray.direction, holes, hit); break;
+            case ROUNDS: intersectBlock(all.rounds[place], ray.origin, ray.direction, holes, hit); break;
             default: {
                 const InstanceRecord& instance = all.instances[place];
                 if (instance.identity) {
@@ -655,6 +722,7 @@ template <class Holes> RAGGIO_INLINE bool stepOver(const Traversal& all, Way& wa
     case SPHERES: intersectBlock(all.spheres[place], ray.origin, ray.direction, holes, way.hit); break;
     case RECTANGLES: intersectBlock(all.rectangles[place], ray.origin, ray.direction, holes, way.hit); break;
     case BOXES: intersectBlock(all.boxes[place], ray.origin, ray.direction, holes, way.hit); break;
+    case ROUNDS: intersectBlock(all.rounds[place], ray.origin, ray.direction, holes, way.hit); break;
     default: way.goTo(all, all.instances[place]); return true;
     }
     if (ray.any && way.hit.found()) return false;

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::Spirv;
+use crate::{Spirv, Variant};
 use declarations::Declarations;
 use slangc::Target;
 
@@ -29,10 +29,11 @@ pub enum CompileError {
     Changed(String),
 }
 
-/// Compiles the kernels in `folder` in the build's way: the unchanged ones become [`SPIRV`](crate::SPIRV).
+/// Compiles the kernels in `folder` in the build's way: the unchanged ones become [`SPIRV`](crate::SPIRV). Those that ask
+/// hardware stay what they were built as unless `queries` says that they are needed.
 ///
 /// All that they share with the host must be as it was when this program was built.
-pub fn spirv(folder: &Path) -> Result<Spirv, CompileError> {
+pub fn spirv(folder: &Path, queries: bool) -> Result<Spirv, CompileError> {
     let unreadable = |e: std::io::Error| format!("cannot read the kernels in {}: {e}", folder.display());
     let kernels = folder.canonicalize().map_err(unreadable).map_err(CompileError::Failed)?;
     // Declarations are found without the compiler, which takes seconds.
@@ -40,7 +41,7 @@ pub fn spirv(folder: &Path) -> Result<Spirv, CompileError> {
     let lines = |text: &str| text.lines().map(str::to_owned).collect::<Vec<_>>();
     same(&lines(&declarations), &lines(include_str!(concat!(env!("OUT_DIR"), "/declarations.txt"))))?;
 
-    let (code, reflection) = compile(&kernels).map_err(CompileError::Failed)?;
+    let (code, reflection) = compile(&kernels, queries).map_err(CompileError::Failed)?;
     let reflected = |json: &str| reflected(json).map_err(CompileError::Failed);
     same(&reflected(&reflection)?, &reflected(include_str!(concat!(env!("OUT_DIR"), "/kernels.json")))?)?;
     Ok(code)
@@ -55,8 +56,8 @@ fn same(found: &[String], built: &[String]) -> Result<(), CompileError> {
     }
 }
 
-/// Compiles the kernels in the folder `kernels` to SPIR-V; returns the compiler's reflection beside it.
-fn compile(kernels: &Path) -> Result<(Spirv, String), String> {
+/// Compiles the kernels in the folder `kernels` to SPIR-V, those that ask hardware if `queries` says so; returns the compiler's reflection beside it.
+fn compile(kernels: &Path, queries: bool) -> Result<(Spirv, String), String> {
     // The build has warned of an untested version; one that lays out differently is found by the comparison.
     let slangc = slangc::find(&Path::new(FOLDER).join(".."), |_| ())?;
 
@@ -68,16 +69,17 @@ fn compile(kernels: &Path) -> Result<(Spirv, String), String> {
         slangc::compile(&slangc, kernels, Target::Spirv(variant), &code)?;
         std::fs::read(code).map_err(lost)
     };
+    let wanted = |place: &usize| queries || !Variant::ALL[*place].has_queries();
+    let wanted: Vec<_> = (0..Variant::ALL.len()).filter(wanted).collect();
     let modules: Vec<_> = std::thread::scope(|scope| {
         let compile = &compile;
-        let threads =
-            std::array::from_fn::<_, { slangc::VARIANTS.len() }, _>(|variant| scope.spawn(move || compile(variant)));
+        let threads: Vec<_> = wanted.iter().map(|&variant| scope.spawn(move || compile(variant))).collect();
         let failed = |_| Err("compiling the kernels failed by a fault of raggio's own".into());
         threads.into_iter().map(|thread| thread.join().unwrap_or_else(failed)).collect()
     });
     let mut spirv = crate::SPIRV;
-    for (code, module) in spirv.0.iter_mut().zip(modules) {
-        *code = module?.into();
+    for (variant, module) in wanted.into_iter().zip(modules) {
+        spirv.0[variant] = module?.into();
     }
     let reflection = std::fs::read_to_string(output.with_extension("json")).map_err(lost)?;
     Ok((spirv, reflection))

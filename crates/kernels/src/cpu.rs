@@ -166,7 +166,7 @@ pub enum Walk {
     Wide,
     /// Through nodes of eight children, in turn whatever the size of the scene.
     InTurn,
-    /// Through binary nodes, as on other devices: `kernels/tracing.slang`.
+    /// Through binary nodes, as on other devices: `kernels/walk.slang`.
     Portable,
 }
 
@@ -288,7 +288,7 @@ fn resting_words(work: &Work) -> usize {
     blocks.div_ceil(32)
 }
 
-/// Runs one kernel over `work` on the calling thread. The display kernel and [`Probe::ToneMap`] need no scene.
+/// Runs one kernel over `work` on the calling thread. The kernels of display and means and [`Probe::ToneMap`] need no scene.
 ///
 /// # Panics
 /// If the buffers are smaller than the work, `set` is not one of [`InstructionSet::available`], or the scene was made for
@@ -299,7 +299,8 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
         scene.check_level(set);
     }
     let simple = scene.is_some_and(|scene| scene.buffers.is_simple());
-    let kernel = entry_point(set, entry, simple).expect("this build has kernels for every level it lists");
+    let media = scene.is_some_and(|scene| scene.buffers.has_media());
+    let kernel = entry_point(set, entry, simple, media).expect("this build has kernels for every level it lists");
     let first = work.first_row.checked_sub(work.band_row).expect("the work begins inside its band");
     let pixels = work.width as usize * (first as usize + work.rows as usize);
     let large_enough = match entry {
@@ -307,6 +308,10 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
             let image = work.width as usize * (work.first_row as usize + work.rows as usize);
             let referred = work.comparison == Comparison::Off as u32 || buffers.input.len() >= image;
             buffers.film.len() >= pixels && buffers.output.len() >= image && referred
+        }
+        EntryPoint::Means => {
+            let image = work.width as usize * (work.first_row as usize + work.rows as usize);
+            buffers.film.len() >= pixels && buffers.output.len() >= 4 * image
         }
         EntryPoint::Probe => {
             let count = work.count as usize;
@@ -318,8 +323,11 @@ pub fn dispatch(set: InstructionSet, entry: EntryPoint, scene: Option<&CpuScene>
     assert!(large_enough, "the buffers are smaller than the work");
 
     let maps_tones = entry == EntryPoint::Probe && work.probe == Probe::ToneMap as u32;
-    let does_without = maps_tones || entry == EntryPoint::Display;
-    assert!(scene.is_some() || does_without, "only the display kernel and the tone mapper's probe do without a scene");
+    let does_without = maps_tones || matches!(entry, EntryPoint::Display | EntryPoint::Means);
+    assert!(
+        scene.is_some() || does_without,
+        "only the kernels of display and means and the tone mapper's probe do without a scene"
+    );
     let drawn =
         |scene: &CpuScene| work.filter != PixelFilter::Tabulated as u32 || !scene.buffers.filter_table.is_empty();
     assert!(scene.is_none_or(drawn), "the scene has no table of the work's filter");

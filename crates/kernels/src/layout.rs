@@ -102,9 +102,16 @@ fn at_least(x: f64) -> f32 {
 pub const MOST_IN_HIERARCHY: u32 = 1 << GROUP_SHIFT;
 
 impl SceneBuffers {
-    /// Whether there are no principled materials and no lights without size: kernels that know of neither are faster.
+    /// Whether there are no principled materials, no lights that are no surfaces and no media: kernels that know of none are faster.
     pub fn is_simple(&self) -> bool {
-        self.principled.is_empty() && self.lights.is_empty()
+        let absorbs = self.constants.first().is_some_and(|constants| constants.counts.absorbing != 0);
+        self.principled.is_empty() && self.lights.is_empty() && !absorbs && !self.has_media()
+    }
+
+    /// Whether media scatter light or bodies have no surface: kernels that know of neither are faster.
+    pub fn has_media(&self) -> bool {
+        let has = |constants: &Constants| constants.counts.scattering != 0 || constants.counts.seamless != 0;
+        self.constants.first().is_some_and(has)
     }
 
     /// Has every ray try all shapes one by one, if they are `few` at most and no meshes; false if it does not.
@@ -237,7 +244,8 @@ impl SceneBuffers {
         if self.albedos.len() != ALBEDO_NODES as usize {
             return fail("the tables of albedos have another size");
         }
-        if around.iter().any(|medium| medium.shape as usize >= self.order.len()) {
+        let is_shape = |medium: &CameraMedium| (medium.shape as usize) < self.order.len();
+        if !around.iter().all(|medium| is_shape(medium) || medium.shape == SHEETS | medium.material) {
             return fail("a medium around the camera is no shape");
         }
         Ok(())
@@ -249,7 +257,10 @@ impl SceneBuffers {
         }
         let known =
             |material: &Material| material.principled == NONE || (material.principled as usize) < self.principled.len();
-        if !self.materials.iter().all(known) || self.constants().counts.lights as usize != self.lights.len() {
+        let counts = self.constants().counts;
+        if !self.materials.iter().all(known)
+            || u64::from(counts.lights) + u64::from(counts.suns) != self.lights.len() as u64
+        {
             return fail("a material or a light is not there");
         }
         if !self.order.iter().all(|shape| (shape.index as usize) < self.shapes_of_kind(shape.kind)) {
@@ -325,6 +336,15 @@ impl SceneBuffers {
         let sky = counts.sky_emitter;
         let is_sky = |emitter: &Emitter| emitter.kind == EmitterKind::Sky as u32;
         let sky_listed = sky == NONE || self.emitters.get(sky as usize).is_some_and(is_sky);
+        let is_sun = |place: u64, number: u64| {
+            let emitter = self.emitters.get(place as usize);
+            let is_its = |emitter: &Emitter| u64::from(emitter.shape) == u64::from(counts.lights) + number;
+            emitter.is_some_and(|emitter| emitter.kind == EmitterKind::Sun as u32 && is_its(emitter))
+        };
+        let first_sun = u64::from(counts.first_sun_emitter);
+        if !(0..u64::from(counts.suns)).all(|number| is_sun(first_sun + number, number)) {
+            return fail("a sun has no emitter");
+        }
         if !self.order.iter().all(listed) || !sky_listed {
             return fail("a shape has emitters that are not there");
         }
@@ -340,8 +360,9 @@ impl SceneBuffers {
             EmitterKind::Sphere => is(ShapeKind::Sphere),
             EmitterKind::Rectangle => is(ShapeKind::Rectangle),
             EmitterKind::BoxFace => is(ShapeKind::Box) && emitter.part < 6,
+            EmitterKind::Round => is(ShapeKind::Round) && emitter.part <= ROUND_TOP,
             EmitterKind::Triangle => is(ShapeKind::Instance) && (emitter.part as usize) < self.triangles.len(),
-            EmitterKind::Light => (emitter.shape as usize) < self.lights.len(),
+            EmitterKind::Light | EmitterKind::Sun => (emitter.shape as usize) < self.lights.len(),
             EmitterKind::Sky => self.has_sky_sums(),
         }
     }
@@ -403,6 +424,9 @@ impl SceneBuffers {
 
 /// Index of nothing: `Mesh.NONE` of the kernels.
 pub const NONE: u32 = u32::MAX;
+
+/// Bit of a [`CameraMedium::shape`] that stands for all that is of one material: `Body.SHEETS` of the kernels.
+pub const SHEETS: u32 = 1 << 31;
 
 /// Number of levels of the hierarchy in `range` of `nodes`, whose leaves must be in `leaves`: each node but the first
 /// has one parent, which stands before it.

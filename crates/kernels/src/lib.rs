@@ -15,31 +15,64 @@ use std::borrow::Cow;
 pub use layout::*;
 pub use specialization::Specialization;
 
-/// Knowledge that kernels have of a scene; they are fastest that know least.
+/// Knowledge that kernels have of a scene and its device; they are fastest that know least.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Variant {
-    /// Whether kernels know neither principled materials nor lights without size: `kernels/variant.slang`.
-    pub simple: bool,
-    /// Whether kernels take lists of any length: `kernels/lists.slang`. The scene is not storage buffers then but one
-    /// uniform buffer at binding 0, with the addresses of the lists in the order of [`SCENE_BINDINGS`], which takes
-    /// `bufferDeviceAddress`.
-    pub wide: bool,
+    simple: bool,
+    wide: bool,
+    queries: bool,
 }
 
 impl Variant {
-    /// Variant for scenes without principled materials and lights without size.
-    pub const SIMPLE: Self = Self { simple: true, wide: false };
+    /// Variant for scenes without principled materials and lights that are no surfaces.
+    pub const SIMPLE: Self = Self { simple: true, wide: false, queries: false };
     /// All variants, in the order of their [indices](Self::index).
-    pub const ALL: [Self; 4] = [
-        Self { simple: false, wide: false },
+    pub const ALL: [Self; 7] = [
+        Self { simple: false, wide: false, queries: false },
         Self::SIMPLE,
-        Self { simple: false, wide: true },
-        Self { simple: true, wide: true },
+        Self { simple: false, wide: true, queries: false },
+        Self { simple: true, wide: true, queries: false },
+        Self { simple: false, wide: false, queries: true },
+        Self { simple: true, wide: false, queries: true },
+        Self { simple: false, wide: true, queries: true },
     ];
+
+    /// Variant that knows so much. There are none that are simple, wide and ask hardware: such scenes have those that know more.
+    pub fn new(simple: bool, wide: bool, queries: bool) -> Self {
+        Self { simple: simple && !(wide && queries), wide, queries }
+    }
+
+    /// Variant for scenes of which nothing is known.
+    pub fn full(self) -> Self {
+        Self { simple: false, ..self }
+    }
+
+    /// Whether kernels know neither principled materials nor lights without size: `kernels/variant.slang`.
+    pub fn is_simple(self) -> bool {
+        self.simple
+    }
+
+    /// Whether kernels take lists of any length: `kernels/lists.slang`. The scene is not storage buffers then but one
+    /// uniform buffer at binding 0, with the addresses of the lists in the order of [`SCENE_BINDINGS`], which takes
+    /// `bufferDeviceAddress`.
+    pub fn is_wide(self) -> bool {
+        self.wide
+    }
+
+    /// Whether hardware traces the rays, through a structure that the scene is given beside its lists:
+    /// `kernels/queries.slang`. It takes `rayQuery`.
+    pub fn has_queries(self) -> bool {
+        self.queries
+    }
+
+    /// Binding of the structure in the descriptor set of the scene, if there is one.
+    pub fn structure_binding(self) -> Option<u32> {
+        self.queries.then_some(if self.wide { WIDE_STRUCTURE_BINDING } else { STRUCTURE_BINDING })
+    }
 
     /// Place of the variant in [`Variant::ALL`].
     pub fn index(self) -> usize {
-        usize::from(self.simple) + 2 * usize::from(self.wide)
+        Self::ALL.iter().position(|variant| *variant == self).unwrap_or_default()
     }
 }
 
@@ -60,6 +93,9 @@ pub const SPIRV: Spirv = Spirv([
     Cow::Borrowed(include_bytes!(concat!(env!("OUT_DIR"), "/kernels.simple.spv"))),
     Cow::Borrowed(include_bytes!(concat!(env!("OUT_DIR"), "/kernels.wide.spv"))),
     Cow::Borrowed(include_bytes!(concat!(env!("OUT_DIR"), "/kernels.simple.wide.spv"))),
+    Cow::Borrowed(include_bytes!(concat!(env!("OUT_DIR"), "/kernels.queries.spv"))),
+    Cow::Borrowed(include_bytes!(concat!(env!("OUT_DIR"), "/kernels.simple.queries.spv"))),
+    Cow::Borrowed(include_bytes!(concat!(env!("OUT_DIR"), "/kernels.wide.queries.spv"))),
 ]);
 
 /// Threads in a workgroup of the image kernels, in x and y.

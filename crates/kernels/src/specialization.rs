@@ -44,8 +44,11 @@ impl Specialization {
             ),
             (
                 Part::DarkSky,
-                [sky.horizon, sky.zenith] == [[0.0; 3]; 2] && (sky.image == NO_TEXTURE || sky.intensity == 0.0),
+                counts.suns == 0
+                    && [sky.horizon, sky.zenith] == [[0.0; 3]; 2]
+                    && (sky.image == NO_TEXTURE || sky.intensity == 0.0),
             ),
+            (Part::Media, scene.has_media()),
             (Part::Clearcoat, any(&|material| material.clearcoat > 0.0)),
             (Part::Sheen, any(&|material| material.sheen_color != [0.0; 3])),
             (Part::Iridescence, any(&|material| material.iridescence > 0.0)),

@@ -3,17 +3,22 @@
 use std::path::Path;
 
 use raggio_kernels::compile::{CompileError, FOLDER, spirv};
-use raggio_kernels::{SPIRV, Spirv};
+use raggio_kernels::{SPIRV, Spirv, Variant};
 
 /// Compiles a copy of the kernels in which `old` of one file reads `new`, and returns the outcome.
 fn edited(file: &str, old: &str, new: &str) -> Result<Spirv, CompileError> {
+    edited_for(false, file, old, new)
+}
+
+/// Compiles so, those that ask hardware too if `queries` says so.
+fn edited_for(queries: bool, file: &str, old: &str, new: &str) -> Result<Spirv, CompileError> {
     let copy = tempfile::tempdir().expect("a temporary folder");
     copy_folder(Path::new(FOLDER), copy.path());
     let path = copy.path().join(file);
     let source = std::fs::read_to_string(&path).expect("the file is there");
     assert!(source.contains(old), "{file} has no `{old}`");
     std::fs::write(&path, source.replacen(old, new, 1)).expect("the copy can be written");
-    spirv(copy.path())
+    spirv(copy.path(), queries)
 }
 
 fn copy_folder(from: &Path, to: &Path) {
@@ -36,14 +41,17 @@ fn changed(name: &str) -> Result<Spirv, CompileError> {
 /// The folder's own kernels take the same way; that a comment is new as well costs no further run of the compiler.
 #[test]
 fn kernels_whose_comments_alone_are_new_are_those_of_the_build() {
-    let code = edited("shapes/list.slang", "enum ShapeKind : uint\n{\n", "enum ShapeKind : uint\n{\n    // New.\n");
+    let (old, new) = ("enum ShapeKind : uint\n{\n", "enum ShapeKind : uint\n{\n    // New.\n");
+    let code = edited_for(true, "shapes/list.slang", old, new);
     assert!(code.expect("they compile") == SPIRV);
 }
 
 #[test]
 fn code_may_change() {
     let code = edited("camera.slang", "2.0 * film.x", "3.0 * film.x").expect("it compiles");
-    assert!(code != SPIRV);
+    let same = |variant: &Variant| code.code(*variant) == SPIRV.code(*variant);
+    // Nobody needs kernels that ask hardware where none can be asked.
+    assert!(Variant::ALL.iter().all(|variant| same(variant) == variant.has_queries()));
 }
 
 #[test]
@@ -64,6 +72,6 @@ fn mistakes_are_named_with_file_and_line() {
         .expect_err("not Slang")
         .to_string();
     assert!(error.contains("camera.slang:1"), "{error}");
-    let error = spirv(Path::new("nowhere")).expect_err("no kernels").to_string();
+    let error = spirv(Path::new("nowhere"), false).expect_err("no kernels").to_string();
     assert!(error.contains("nowhere"), "{error}");
 }

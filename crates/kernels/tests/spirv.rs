@@ -7,12 +7,14 @@ use std::process::{Command, Stdio};
 use raggio_kernels::{SPIRV, Variant};
 
 /// SPIR-V of all variants, and the capabilities that they may need.
-fn modules() -> impl Iterator<Item = (Vec<u8>, &'static [u32])> {
+fn modules() -> impl Iterator<Item = (Vec<u8>, Vec<u32>)> {
     const SHADER: u32 = 1;
     const PHYSICAL_STORAGE_BUFFER_ADDRESSES: u32 = 5347;
+    const RAY_QUERY: u32 = 4472;
     Variant::ALL.into_iter().map(|variant| {
-        let known: &[u32] = if variant.wide { &[SHADER, PHYSICAL_STORAGE_BUFFER_ADDRESSES] } else { &[SHADER] };
-        (SPIRV.code(variant).to_vec(), known)
+        let wide = variant.is_wide().then_some(PHYSICAL_STORAGE_BUFFER_ADDRESSES);
+        let queries = variant.has_queries().then_some(RAY_QUERY);
+        (SPIRV.code(variant).to_vec(), [SHADER].into_iter().chain(wide).chain(queries).collect())
     })
 }
 

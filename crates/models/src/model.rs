@@ -18,7 +18,7 @@ pub struct Model {
     pub instances: Vec<Instance>,
     /// Materials that [`Part::material`](crate::Part::material) indexes.
     pub materials: Vec<Material>,
-    /// Lights without size.
+    /// Lights that are no surfaces.
     pub lights: Vec<Light>,
     /// Animations of the file; one without any is equal at every time.
     pub animations: Vec<Animation>,
@@ -70,15 +70,15 @@ pub struct Material {
     pub surface: Principled,
 }
 
-/// A light without size.
+/// A light that is no surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     /// Name of the light; may be empty.
     pub name: String,
     /// Colour times intensity: radiant intensity (W/sr per channel; glTF's candela taken as such) of points and spots,
-    /// irradiance (glTF's lux) of directional lights.
+    /// irradiance (glTF's lux) of directional lights and suns, on a surface that faces them.
     pub intensity: [f32; 3],
-    /// Position of the light; without meaning for directional lights.
+    /// Position of the light; without meaning for directional lights and suns.
     pub position: DVec3,
     /// Unit direction in which the light shines; without meaning for points.
     pub direction: DVec3,
@@ -86,11 +86,16 @@ pub struct Light {
     pub kind: LightKind,
 }
 
-/// The kinds of lights without size.
+/// The kinds of lights that are no surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightKind {
     /// Parallel light from infinitely far away.
     Directional,
+    /// Directional light of a disk of the sky, which is seen there. No file format of models has it.
+    Sun {
+        /// Angle in radians from the disk's middle to its rim, more than 0 and at most pi / 2.
+        half_angle: f32,
+    },
     /// Light that is equal in all directions.
     Point,
     /// A cone: full inside the inner angle, nothing outside the outer, as KHR_lights_punctual recommends between.

@@ -3,8 +3,9 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use raggio_render::{CpuOptions, Device, DeviceSelection, OpenOptions, open_all};
+use raggio_render::{CpuOptions, Device, DeviceSelection, OpenOptions, Tracer, open_all};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::errors::{DeviceError, device_error};
@@ -13,7 +14,7 @@ use crate::errors::{DeviceError, device_error};
 #[derive(Default)]
 struct Host {
     pool: Option<Arc<ThreadPool>>,
-    devices: HashMap<(String, usize), Arc<dyn Device>>,
+    devices: HashMap<(String, Tracer, usize), Arc<dyn Device>>,
 }
 
 static HOST: Mutex<Option<Host>> = Mutex::new(None);
@@ -35,17 +36,19 @@ pub fn on_threads<T: Send>(work: impl FnOnce() -> PyResult<T> + Send) -> PyResul
     pool.install(work)
 }
 
-/// The device that `name` chooses, opened once in each process; `warn` hears why `auto` passes over a GPU.
-pub fn device(name: &str, threads: usize, warn: impl Fn(&str)) -> PyResult<Arc<dyn Device>> {
+/// The device that `name` chooses, on which `tracer` finds what rays meet, opened once in each process; `warn` hears why `auto`
+/// passes over a GPU.
+pub fn device(name: &str, tracer: &str, threads: usize, warn: impl Fn(&str)) -> PyResult<Arc<dyn Device>> {
+    let tracer: Tracer = tracer.parse().map_err(|error| PyValueError::new_err(format!("tracer: {error}")))?;
     let choice: DeviceSelection = name.parse().map_err(|error| DeviceError::new_err(format!("device: {error}")))?;
-    let key = (choice.to_string(), threads);
+    let key = (choice.to_string(), tracer, threads);
     let known = |host: &Option<Host>| host.as_ref().and_then(|host| host.devices.get(&key).cloned());
     let lock = || HOST.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(device) = known(&lock()) {
         return Ok(device);
     }
     let cpu = CpuOptions { threads, ..CpuOptions::default() };
-    let options = OpenOptions { cpu, cache: raggio_render::cache_folder(), ..OpenOptions::default() };
+    let options = OpenOptions { cpu, tracer, cache: raggio_render::cache_folder(), ..OpenOptions::default() };
     let device: Arc<dyn Device> = open_all(&choice, &options, warn).map_err(device_error)?.into();
     lock().get_or_insert_default().devices.insert(key, device.clone());
     Ok(device)

@@ -7,7 +7,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use raggio_render::{Aov, Denoiser, Observer, Progress, RenderRequest, Rendered, Rendering, Stop};
+use raggio_render::{
+    Aov, Denoiser, DeviceInfo, Gpu, Observer, Progress, RenderRequest, Rendered, Rendering, Stop, gpu_of,
+};
 use raggio_scene::{Camera, Integrator, Scene};
 
 #[cfg(target_os = "linux")]
@@ -35,7 +37,9 @@ struct Inner {
     revision: u64,
     /// Moment at which the scene was read, if it is not the scene's own.
     time: Option<f64>,
-    denoise: bool,
+    /// Denoiser, if pictures are to lose their noise, and the GPU on which it works if it can.
+    denoiser: Option<Denoiser>,
+    gpu: Option<Gpu>,
     warnings: Vec<String>,
 }
 
@@ -70,7 +74,7 @@ impl Session {
     /// Brings a scene to a device.
     #[new]
     #[pyo3(signature = (
-        scene, *, name, camera, time, size, samples, seed, max_depth, alpha, noise, time_limit, device, threads, aovs,
+        scene, *, name, camera, time, size, samples, seed, max_depth, alpha, noise, time_limit, device, tracer, threads, aovs,
         denoise, label=false, integrator=None
     ))]
     #[allow(clippy::too_many_arguments, reason = "all but one are named")]
@@ -88,6 +92,7 @@ impl Session {
         noise: Option<f32>,
         time_limit: Option<f32>,
         device: String,
+        tracer: String,
         threads: usize,
         aovs: Vec<String>,
         denoise: bool,
@@ -102,12 +107,10 @@ impl Session {
         let view = View { camera, size, seed, max_depth, alpha, integrator };
         guarded(py, || {
             // What cannot be had is told before any time is spent.
-            if denoise {
-                Denoiser::open().map_err(denoise_error)?;
-            }
+            let denoiser = if denoise { Some(Denoiser::open().map_err(denoise_error)?) } else { None };
             let warnings = Mutex::new(vec![]);
             let warn = |warning: &str| warnings.lock().unwrap_or_else(PoisonError::into_inner).push(warning.to_owned());
-            let device = host::device(&device, threads, warn)?;
+            let device = host::device(&device, &tracer, threads, warn)?;
             let warnings = warnings.into_inner().unwrap_or_else(PoisonError::into_inner);
             let device_name = device.name();
             let inner = on_threads(|| {
@@ -115,7 +118,8 @@ impl Session {
                 let mut scene = Scene::clone(&scene);
                 view.apply(&mut scene);
                 let rendering = Rendering::begin(&scene, &*device, request).map_err(render_error)?;
-                Ok(Inner { rendering, scene, ids, revision, time, denoise, warnings })
+                let gpu = gpu_of(&*device);
+                Ok(Inner { rendering, scene, ids, revision, time, denoiser, gpu, warnings })
             })?;
             Ok(Self { process: std::process::id(), device: device_name, inner: Mutex::new(inner) })
         })
@@ -195,8 +199,8 @@ impl Session {
     fn cuda(&self, py: Python<'_>) -> PyResult<Option<CudaArray>> {
         guarded(py, || {
             let mut inner = self.lock()?;
-            let Inner { rendering, scene, denoise, .. } = &mut *inner;
-            if *denoise {
+            let Inner { rendering, scene, denoiser, .. } = &mut *inner;
+            if denoiser.is_some() {
                 return Ok(None);
             }
             let shape = [scene.render.height as usize, scene.render.width as usize, 3];
@@ -267,13 +271,17 @@ impl Session {
     ) -> PyResult<(Bound<'py, PyDict>, Option<Py<PyAny>>)> {
         let (developed, seconds, finished, ended) = guarded(py, || {
             let mut inner = self.lock()?;
+            let inner = &mut *inner;
             let mut listener = Listener::new(report);
             let rendered = develop(&mut inner.rendering, &mut listener)?;
             inner.warnings.append(&mut listener.warnings);
-            let shown = match (inner.denoise, &rendered.failure) {
-                (true, None) => {
-                    let denoiser = Denoiser::open().map_err(denoise_error)?;
-                    Some(rendered.picture.denoised(&denoiser).map_err(denoise_error)?)
+            let shown = match (&inner.denoiser, &rendered.failure) {
+                (Some(denoiser), None) => {
+                    inner.gpu.iter().for_each(|gpu| denoiser.prefer(gpu));
+                    let denoised = rendered.picture.denoised(denoiser).map_err(denoise_error)?;
+                    let complaint = denoiser.complaint();
+                    inner.warnings.extend(complaint);
+                    Some(denoised)
                 }
                 _ => None,
             };
@@ -364,17 +372,19 @@ pub fn metadata(
     })
 }
 
-/// Lines of the devices of this machine: word, name, kind, driver, memory in bytes, what is missing; and why there is no
-/// Vulkan, if there is none.
+/// Lines of the devices of this machine: word, name, kind, driver, memory in bytes, what is missing, whether there are ray
+/// queries, the tracer; and why there is no Vulkan, if there is none.
 #[pyfunction]
 #[allow(clippy::type_complexity, reason = "a row of a table")]
 pub fn devices(
     py: Python<'_>,
-) -> PyResult<(Vec<(String, String, &'static str, String, Option<u64>, Vec<String>)>, Option<String>)> {
+) -> PyResult<(Vec<(String, String, &'static str, String, Option<u64>, Vec<String>, bool, &'static str)>, Option<String>)>
+{
     guarded(py, || {
         let (found, error) = raggio_render::devices();
-        let line = |info: raggio_render::DeviceInfo| {
-            (info.id, info.name, info.kind, info.driver, info.memory_bytes, info.missing)
+        let line = |info: DeviceInfo| {
+            let DeviceInfo { id, name, kind, driver, memory_bytes, missing, has_ray_queries, tracer } = info;
+            (id, name, kind, driver, memory_bytes, missing, has_ray_queries, tracer.name())
         };
         Ok((found.into_iter().map(line).collect(), error.map(|error| error.to_string())))
     })

@@ -10,4 +10,6 @@ pub mod group;
 pub mod kept;
 pub mod machine;
 pub mod pipelines;
+pub mod structures;
+pub mod tracer;
 pub mod vulkan;

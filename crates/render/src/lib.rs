@@ -24,10 +24,11 @@ pub use devices::device::{Answer, Device, DeviceError, DeviceInfo, Question, Ses
 pub use devices::group::DeviceGroup;
 pub use devices::kept::cache_folder;
 pub use devices::machine::{TooLarge, check_memory, memory_bytes, peak_memory_bytes, total_memory_bytes};
+pub use devices::tracer::Tracer;
 pub use devices::vulkan::VulkanDevice;
 pub use frames::{FrameRate, Frames, Pattern};
 pub use pictures::aov::{Aov, Channel, Features, Values};
-pub use pictures::display::{Display, Pixels, show_bytes, show_image};
+pub use pictures::display::{Denoised, Display, Pixels, show_bytes, show_image};
 pub use pictures::file_faults::{file_fault_is_due, pretend_file_fault};
 pub use pictures::film::{Film, FilmError, Label, MergeError, Portion, film_bytes};
 pub use pictures::fingerprint::Fingerprint;
@@ -37,10 +38,10 @@ pub use pictures::image_input::{DisplayedImage, InputError};
 pub use pictures::linear_image::Image;
 pub use pictures::metadata::Metadata;
 pub use pictures::output_file::{OutputFile, abandon_files, write_whole};
-pub use pictures::picture::Picture;
+pub use pictures::picture::{Picture, gpu_of};
 pub use pictures::png_file::PngBits;
 pub use raggio_choice::{Choice, UnknownName, endings, listed};
-pub use raggio_denoise::{DenoiseError, Denoiser};
+pub use raggio_denoise::{Care, DenoiseError, Denoiser, Gpu, Interface};
 pub use raggio_kernels::compile::FOLDER as KERNELS_FOLDER;
 pub use raggio_kernels::cpu::{Counts, InstructionSet, StageCounts, Walk};
 pub use raggio_kernels::{
@@ -49,7 +50,7 @@ pub use raggio_kernels::{
 #[cfg(target_os = "linux")]
 pub use raggio_vulkan::CudaMemory;
 pub use renderer::{NoiseProgress, Progress, Renderer};
-pub use rendering::{Preparation, RenderError, Rendered, Rendering};
+pub use rendering::{Development, Preparation, RenderError, Rendered, Rendering};
 pub use request::{Observer, Phase, RenderRequest, Stop, UNLIMITED_SAMPLES};
 pub use translation::bounds::bounds;
 pub use translation::device_scene::DeviceScene;

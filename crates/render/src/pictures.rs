@@ -14,3 +14,4 @@ pub mod metadata;
 pub mod output_file;
 pub mod picture;
 pub mod png_file;
+pub mod runs;

@@ -371,8 +371,8 @@ impl Renderer {
         course.row += rows;
         course.last = samples.max(1) as f64;
         let measured = course.last / elapsed.as_secs_f64().max(1e-6);
-        course.rate = measured;
-        // Shorter portions measure the call, and the very first the driver's preparations.
+        // Shorter portions measure the call: the rate is that at least. The very first measures the driver's preparations.
+        course.rate = if elapsed > SHORTEST_MEASURE { measured } else { course.rate.max(measured) };
         if elapsed > SHORTEST_MEASURE && course.sampling > elapsed {
             course.slowest = course.slowest.min(measured);
         }
@@ -456,14 +456,16 @@ impl Renderer {
         self.showing(Feature::Radiance, |renderer| Ok(renderer.session.film()?.with_label(renderer.label())))
     }
 
-    /// Film of radiance as it is now, with all that a checkpoint takes but its notes.
+    /// Film of radiance as it is now, with all that a checkpoint takes but its notes. Whoever `takes` it asks the device for
+    /// it no more.
     ///
     /// # Errors
     /// A [`DeviceError`] when the device fails.
-    pub(crate) fn gather(&mut self) -> Result<Gathered, DeviceError> {
+    pub(crate) fn gather(&mut self, takes: bool) -> Result<Gathered, DeviceError> {
         self.showing(Feature::Radiance, |renderer| {
+            let session = &mut renderer.session;
             Ok(Gathered {
-                film: renderer.session.film()?,
+                film: if takes { session.take_film()? } else { session.film()? },
                 label: renderer.late_label(),
                 notes: vec![],
                 state: renderer.sampling_state(),

@@ -16,7 +16,8 @@ use raggio_scene::Scene;
 
 use crate::checkpoint::{CheckpointError, Checkpoints, Every, Gathered, Keeper, SamplingState};
 use crate::devices::device::{Device, DeviceError};
-use crate::devices::machine::{TooLarge, check_films};
+use crate::devices::machine::TooLarge;
+use crate::devices::tracer::Tracer;
 use crate::pictures::aov::Features;
 use crate::pictures::film::{Film, Portion};
 use crate::pictures::image_file::Extras;
@@ -51,6 +52,8 @@ pub struct Rendering {
     preparation: Preparation,
     /// Whether sampling has come to its own end.
     is_done: bool,
+    /// Whether nobody asks the device for the film once more.
+    is_last: bool,
     /// Warnings for the observer, who is not there yet.
     warnings: Vec<String>,
 }
@@ -64,6 +67,11 @@ pub struct Rendered {
     pub progress: Progress,
     /// Time that went by before the first sample.
     pub preparation: Preparation,
+    /// Time that went by after the last sample.
+    pub development: Development,
+    /// Who has found what rays met, [`Tracer::Software`] or [`Tracer::Hardware`]; `None` where devices that shared the picture
+    /// differ.
+    pub tracer: Option<Tracer>,
     /// Whether every pixel has all samples that were asked for.
     pub finished: bool,
     /// Error of the device that ended the render early; layers and guides are missing then.
@@ -103,6 +111,15 @@ pub struct Preparation {
     pub compile_wait_seconds: f64,
 }
 
+/// Time that goes by between the last sample of a render and its picture, in seconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Development {
+    /// Time in which the film came from the device; 0 where it came from elsewhere.
+    pub film_seconds: f64,
+    /// Time in which layers, guides and coverage were sampled and made.
+    pub layers_seconds: f64,
+}
+
 /// Reasons why a render cannot begin.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -138,7 +155,7 @@ impl Rendering {
     /// A [`RenderError`] when the picture or the scene is too large, the checkpoint is of something else, or the device
     /// fails.
     pub fn begin(scene: &Scene, device: &dyn Device, request: RenderRequest) -> Result<Self, RenderError> {
-        check_films(scene.render.width, scene.render.height, request.films_beside(scene.render.alpha))?;
+        request.check_memory(scene)?;
         let start = Instant::now();
         let device_scene = DeviceScene::new(scene)?;
         let translate_seconds = start.elapsed().as_secs_f64();
@@ -157,8 +174,13 @@ impl Rendering {
         device: &dyn Device,
         request: RenderRequest,
     ) -> Result<Self, RenderError> {
-        check_films(scene.render.width, scene.render.height, request.films_beside(scene.render.alpha))?;
+        request.check_memory(scene)?;
         Self::load(scene, device_scene, device, request)
+    }
+
+    /// Takes the seconds that translation took where it was done before, for [`Rendered::preparation`].
+    pub fn note_translation(&mut self, seconds: f64) {
+        self.preparation.translate_seconds = seconds;
     }
 
     fn load(
@@ -187,6 +209,7 @@ impl Rendering {
             spent: 0.0,
             preparation: Preparation { upload_seconds, ..Preparation::default() },
             is_done: false,
+            is_last: false,
             warnings: vec![],
         };
         rendering.keep_checkpoints()?;
@@ -322,7 +345,7 @@ impl Rendering {
     }
 
     fn check_memory(&self, scene: &Scene) -> Result<(), TooLarge> {
-        check_films(scene.render.width, scene.render.height, self.request.films_beside(scene.render.alpha))
+        self.request.check_memory(scene)
     }
 
     fn restart(&mut self, scene: &Scene) -> Result<(), RenderError> {
@@ -349,6 +372,7 @@ impl Rendering {
             self.scene.settle();
         }
         let failure = self.sample(observer).err();
+        self.is_last = true;
         self.develop(observer, failure)
     }
 
@@ -362,6 +386,7 @@ impl Rendering {
         observer: &mut dyn Observer,
         mut failure: Option<DeviceError>,
     ) -> Result<Rendered, DeviceError> {
+        let start = Instant::now();
         let End { gathered, checkpoint, is_labelled, finished } = loop {
             match self.end(failure.is_some(), observer) {
                 // The first failure is what to report.
@@ -378,7 +403,9 @@ impl Rendering {
                 film.rejected(),
             ));
         }
-        let rendered = self.finish(film, progress, finished, failure, checkpoint, observer);
+        let film_seconds = start.elapsed().as_secs_f64();
+        let mut rendered = self.finish(film, progress, finished, failure, checkpoint, observer);
+        rendered.development.film_seconds = film_seconds;
         Ok(Rendered { keeper: self.keeper.take(), unsaved: Some((label, state)), ..rendered })
     }
 
@@ -418,6 +445,7 @@ impl Rendering {
         checkpoint: Option<PathBuf>,
         observer: &mut dyn Observer,
     ) -> Rendered {
+        let start = Instant::now();
         let mut features = None;
         let mut coverage = None;
         while failure.is_none() && features.is_none() {
@@ -428,10 +456,13 @@ impl Rendering {
         }
         self.preparation.compile_seconds = self.renderer.session().compile_time().as_secs_f64();
         let film = if coverage.is_some() { film.with_coverage(coverage) } else { film };
+        let picture = self.picture(film, features);
         Rendered {
-            picture: self.picture(film, features),
+            picture,
             progress,
             preparation: self.preparation,
+            development: Development { film_seconds: 0.0, layers_seconds: start.elapsed().as_secs_f64() },
+            tracer: self.renderer.session().tracer(),
             finished,
             failure,
             checkpoint,

@@ -5,9 +5,10 @@ use std::path::Path;
 
 use raggio_choice::choice;
 use raggio_kernels::Feature;
-use raggio_scene::RenderSettings;
+use raggio_scene::{RenderSettings, Scene};
 
 use crate::checkpoint::Checkpoints;
+use crate::devices::machine::{TooLarge, check_films};
 use crate::pictures::aov::{Aov, Features};
 use crate::renderer::Progress;
 
@@ -35,6 +36,14 @@ pub struct RenderRequest {
 }
 
 impl RenderRequest {
+    /// Checks that this machine has the memory for the picture of `scene`, with all that is asked for beside it.
+    ///
+    /// # Errors
+    /// A [`TooLarge`] when it needs more than is available.
+    pub fn check_memory(&self, scene: &Scene) -> Result<(), TooLarge> {
+        check_films(scene.render.width, scene.render.height, self.films_beside(scene.render.alpha))
+    }
+
     /// Features that layers and guides are made from, each once.
     pub(crate) fn features(&self) -> Vec<Feature> {
         let guides: &[_] = if self.denoise { &Features::GUIDES } else { &[] };

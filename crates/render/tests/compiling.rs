@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use raggio_render::{
     Device, DeviceError, DeviceScene, Feature, Observer, Phase, Progress, RenderRequest, Rendering, Session, Stop,
-    VulkanDevice,
+    Tracer, VulkanDevice,
 };
 use raggio_vulkan::{Device as VulkanContext, Instance, PhysicalDevice, PipelineCache};
 
@@ -175,7 +175,9 @@ fn what_a_device_has_compiled_is_kept() {
     let Some(physical) = physical() else { return };
     let folder = tempfile::tempdir().expect("a folder");
     let cache = folder.path().join("raggio");
-    let open = |folder: Option<&Path>| drop(VulkanDevice::new(&physical, folder, false).expect("the device opens"));
+    let open = |folder: Option<&Path>| {
+        drop(VulkanDevice::new(&physical, Tracer::Auto, folder, false).expect("the device opens"))
+    };
     open(Some(&cache));
     let kept = files(&cache);
     let [file] = &kept[..] else { panic!("{kept:?}") };

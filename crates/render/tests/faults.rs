@@ -96,7 +96,7 @@ fn whichever_call_fails_the_film_is_saved() {
     assert_eq!(device.validation_messages(), Vec::<String>::new());
 }
 
-/// A device that is lost at each of the portions that `is_lost` says; the others take their time.
+/// A device that is lost after each of the portions that `is_lost` says, by their number and what there is by then.
 struct Losing<F> {
     context: std::sync::Arc<raggio_vulkan::Device>,
     portion: usize,
@@ -104,7 +104,7 @@ struct Losing<F> {
     ear: Ear,
 }
 
-impl<F: Fn(usize) -> bool> Observer for Losing<F> {
+impl<F: FnMut(usize, &Progress) -> bool> Observer for Losing<F> {
     fn warn(&mut self, warning: &str) {
         self.ear.warn(warning);
     }
@@ -113,8 +113,8 @@ impl<F: Fn(usize) -> bool> Observer for Losing<F> {
         self.ear.saved(path);
     }
 
-    fn progress(&mut self, _: &Progress) -> ControlFlow<()> {
-        if (self.is_lost)(self.portion) {
+    fn progress(&mut self, progress: &Progress) -> ControlFlow<()> {
+        if (self.is_lost)(self.portion, progress) {
             self.context.pretend_lost();
         }
         self.portion += 1;
@@ -138,21 +138,27 @@ fn a_lost_device_is_opened_again_so_often() {
     let mut scene = parsed.expect("the scene is right");
     (scene.render.width, scene.render.height, scene.render.samples) = (12, 10, 5);
     let path = folder.path().join("a.checkpoint");
-    let run = |device: &dyn Device, request: RenderRequest, is_lost: fn(usize) -> bool| {
+    let run = |device: &dyn Device, request: RenderRequest, is_lost: &mut dyn FnMut(usize, &Progress) -> bool| {
         let mut losing = Losing { context: context.clone(), portion: 0, is_lost, ear: Ear::default() };
         let rendering = Rendering::begin(&scene, device, request).expect("the scene loads");
         (rendering.run(&mut losing), losing.ear.warnings)
     };
-    let (whole, _) = run(&*device, RenderRequest { label: true, ..RenderRequest::default() }, |_| false);
+    let (whole, _) = run(&*device, RenderRequest { label: true, ..RenderRequest::default() }, &mut |_, _| false);
     let whole = whole.expect("the device renders").picture;
 
-    // Films that are gathered in between make it go on.
-    let (rendered, warnings) = run(&*device, request(&path), |portion| portion % 6 == 5);
+    // Films that are gathered in between make it go on: it is lost once with each sample, which comes before its film is gathered.
+    let mut seen = 0;
+    let mut with_each = |_: usize, progress: &Progress| {
+        let is_new = progress.samples > seen;
+        seen = seen.max(progress.samples);
+        is_new
+    };
+    let (rendered, warnings) = run(&*device, request(&path), &mut with_each);
     let rendered = rendered.expect("the device renders");
     assert!(rendered.failure.is_none() && same(&rendered.picture, &whole));
     rendered.remove_checkpoints().expect("files can be removed");
     drop(rendered);
-    assert!(warnings.len() > 1);
+    assert!(warnings.len() > 3, "more often than in a row: {warnings:?}");
     for warning in &warnings {
         let words = "the device was lost: the driver reset it, or it went away: it was opened again, and the render goes on from ";
         assert!(warning.starts_with(words) && warning.contains("sample"), "{warning}");
@@ -160,22 +166,22 @@ fn a_lost_device_is_opened_again_so_often() {
 
     // Without anything gathered it begins anew, a few times.
     let nothing = RenderRequest::default();
-    let (lost, warnings) = run(&*device, nothing.clone(), |_| true);
+    let (lost, warnings) = run(&*device, nothing.clone(), &mut |_, _| true);
     assert!(lost.expect_err("the device is lost").to_string().contains("the device was lost"));
     assert_eq!(warnings.len(), 3, "{warnings:?}");
     assert!(warnings[0].ends_with("from 0 samples per pixel"), "{warnings:?}");
-    let (rendered, warnings) = run(&*device, nothing, |portion| portion < 2);
+    let (rendered, warnings) = run(&*device, nothing, &mut |portion, _| portion < 2);
     let film = rendered.expect("the device renders").picture.film;
     assert!(film.pixels() == whole.film.pixels() && warnings.len() == 2, "{warnings:?}");
 
     // With a checkpoint, what there is is saved, and another render goes on from it.
-    let (rendered, _) = run(&*device, request(&path), |portion| portion > 3);
+    let (rendered, _) = run(&*device, request(&path), &mut |portion, _| portion > 3);
     let rendered = rendered.expect("a film");
     assert!(rendered.failure.is_some() && rendered.checkpoint.as_deref() == Some(&*path) && !rendered.finished);
     let samples = rendered.picture.film.samples();
     assert!(samples > 0 && rendered.progress.total_samples == samples, "{:?}", rendered.progress);
     drop(rendered);
-    let (rendered, _) = run(&*device, request(&path), |_| false);
+    let (rendered, _) = run(&*device, request(&path), &mut |_, _| false);
     let rendered = rendered.expect("the device renders");
     assert!(same(&rendered.picture, &whole));
     assert_eq!(device.validation_messages(), Vec::<String>::new());
@@ -183,7 +189,7 @@ fn a_lost_device_is_opened_again_so_often() {
     // Others of a group do the work of the one that is lost for good.
     let cpu = CpuDevice::new(CpuOptions::default()).expect("threads can be had");
     let group = DeviceGroup::new(vec![device, Box::new(cpu)]);
-    let (rendered, warnings) = run(&group, RenderRequest::default(), |portion| portion % 2 == 1);
+    let (rendered, warnings) = run(&group, RenderRequest::default(), &mut |portion, _| portion % 2 == 1);
     let rendered = rendered.expect("the CPU goes on");
     assert!(rendered.finished && rendered.failure.is_none());
     assert_eq!(rendered.picture.film.sample_range(), (5, 5));

@@ -101,6 +101,14 @@ fn geometry() -> impl Strategy<Value = Geometry> {
             edge_u: Vec3::X * u,
             edge_v: Vec3::Z * v
         }),
+        (point(), length()).prop_map(|(center, radius)| Geometry::Disk { center, normal: Vec3::Y, radius }),
+        (point(), length(), length()).prop_map(|(base, height, radius)| Geometry::Cylinder {
+            base,
+            // Far from the origin a small height is none, which no scene has.
+            top: base + height.max(2.0 * f32::EPSILON * base.z.abs()) * Vec3::Z,
+            radius,
+            capped: true
+        }),
         (point(), size, [-720.0f32..720.0, -720.0f32..720.0, -720.0f32..720.0])
             .prop_map(|(center, size, turn)| { Geometry::Box { center, size, rotation_degrees: Vec3::from(turn) } }),
     ]

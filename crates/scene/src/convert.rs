@@ -3,11 +3,13 @@
 
 mod environment;
 mod keyframes;
+mod lights;
 mod materials;
 mod meshes;
 mod principled;
 mod projection;
 mod shapes;
+mod transform;
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -15,13 +17,14 @@ use std::path::{Path, PathBuf};
 use glam::{DVec3, Vec3};
 use raggio_models::Format;
 
+use self::shapes::{Parts, below};
 use crate::assets::{AssetOptions, Assets, Imported};
-use crate::fault::{Fault, steps};
-use crate::file::{CameraFile, MeshFile, RenderFile, SceneFile, ShapeFile};
+use crate::fault::{Fault, Step, steps, subject};
+use crate::file::{CameraFile, Groups, Materials, MeshFile, RenderFile, SceneFile, ShapeFile};
 use crate::names;
 use crate::number::SMALLEST;
 use crate::review::Review;
-use crate::scene::{Camera, Environment, Material, Projection, RenderSettings, Scene, Shape};
+use crate::scene::{Camera, Environment, LightEntry, Material, Projection, RenderSettings, Scene, Shape};
 
 /// Sine of the smallest angle between `up` and the viewing direction.
 const PARALLEL: f64 = 1e-5;
@@ -43,33 +46,47 @@ pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets, review
     let projection = review.accept(projection::projection(&posed));
     let environment = file.environment.as_ref().and_then(|file| review.accept(environment::environment(file, files)));
     let materials = materials::materials(&file.materials, files, &mut warnings);
+    let light_entries = lights::lights(&file.lights.0, review);
     let shapes = &file.shapes.0;
     let mut scene = Scene {
         render: render(&file.render),
         camera: camera(&posed, projection.unwrap_or(STAND_IN)),
         environment: environment.unwrap_or(Environment::Constant(Vec3::ZERO)),
+        air: file.air.map(materials::medium),
         shapes: Vec::with_capacity(shapes.len()),
         entries: Vec::with_capacity(shapes.len()),
         materials,
-        lights: Vec::new(),
+        lights: light_entries.iter().map(LightEntry::light).collect(),
+        light_entries,
         warnings: Vec::new(),
     };
     let names = file.materials.0.iter().enumerate();
     let indices = names.map(|(index, (name, _))| (name.as_str(), index)).collect();
-    let mut builder =
-        Builder { scene: &mut scene, files, indices, warnings: &mut warnings, first_materials: HashMap::new() };
+    let mut builder = Builder {
+        scene: &mut scene,
+        files,
+        indices,
+        materials: &file.materials,
+        groups: &file.groups,
+        known_groups: HashMap::new(),
+        warnings: &mut warnings,
+        first_materials: HashMap::new(),
+    };
     for (index, shape) in shapes.iter().enumerate() {
-        review.accept(builder.add(index, shape, &file.materials));
+        review.accept(builder.add(index, shape));
         if review.is_full() {
             break;
         }
     }
+    builder.check_groups();
     warnings.append(&mut files.warnings);
     if review.count() == 0 {
         warnings.extend(radians(&posed));
-        warnings.extend(sheets(&scene, shapes));
-        warnings.extend(stillness(&file.camera, shapes, files));
+        warnings.extend(sheets(&scene));
+        warnings.extend(lights::dark(&file.lights.0, &scene.light_entries));
+        warnings.extend(stillness(&file.camera, &meshes(file), files));
         warnings.extend(darkness(&scene));
+        warnings.extend(endlessness(&scene));
     }
     (scene, warnings)
 }
@@ -93,6 +110,10 @@ struct Builder<'a, 'f> {
     files: &'a mut Files<'f>,
     /// Index of each material of the file, by its name.
     indices: HashMap<&'a str, usize>,
+    materials: &'a Materials,
+    groups: &'a Groups,
+    /// Groups that have been read; `None` while one is.
+    known_groups: HashMap<String, Option<Parts>>,
     warnings: &'a mut Vec<Fault>,
     /// Models met so far, each with the index of the first of its own materials if these are used.
     first_materials: HashMap<*const Imported, Option<usize>>,
@@ -192,50 +213,73 @@ fn radians(file: &CameraFile) -> Option<Fault> {
     Some(Fault::value(steps!["camera", "vertical_fov_degrees"], message))
 }
 
+/// Models that the file names, among its shapes and in its groups, each with its place.
+fn meshes(file: &SceneFile) -> Vec<(Vec<Step>, &MeshFile)> {
+    let of_shapes = file.shapes.0.iter().enumerate().map(|(index, shape)| (steps!["shapes", index], shape));
+    let of_groups = file.groups.0.iter().flat_map(|(name, group)| {
+        group.0.iter().enumerate().map(move |(index, shape)| (steps!["groups", name.as_str(), index], shape))
+    });
+    let all: Vec<(Vec<Step>, &ShapeFile)> = of_shapes.chain(of_groups).collect();
+    all.into_iter().filter_map(|(at, shape)| Some((below(&at, "mesh"), shape.mesh.as_ref()?))).collect()
+}
+
 /// Warnings of moments at which nothing is different: few files move.
-fn stillness(camera: &CameraFile, shapes: &[ShapeFile], files: &mut Files<'_>) -> Vec<Fault> {
+fn stillness(camera: &CameraFile, meshes: &[(Vec<Step>, &MeshFile)], files: &mut Files<'_>) -> Vec<Fault> {
     let format = |mesh: &MeshFile| Format::of_path(Path::new(&mesh.file));
     let may_move = |mesh: &MeshFile| format(mesh).is_some_and(Format::is_animated);
     let AssetOptions { time_seconds, elapsed_seconds, .. } = *files.assets.options();
     let mut moves = |mesh: &MeshFile| files.model(mesh, Vec::new()).is_ok_and(|model| !model.animations.is_empty());
-    let mut meshes = shapes.iter().enumerate().filter_map(|(index, shape)| Some((index, shape.mesh.as_ref()?)));
     if time_seconds.is_some() || elapsed_seconds.is_some() {
         let given = if elapsed_seconds.is_some() { "frames are asked for" } else { "a time is given" };
         let message = format!("{given}, but nothing in the scene moves");
         let still = match () {
-            () if keyframes::moves(camera) || meshes.clone().any(|(_, mesh)| moves(mesh)) => return Vec::new(),
-            () if meshes.any(|(_, mesh)| may_move(mesh)) => "its .gltf and .glb files have no animations",
+            () if keyframes::moves(camera) || meshes.iter().any(|(_, mesh)| moves(mesh)) => return Vec::new(),
+            () if meshes.iter().any(|(_, mesh)| may_move(mesh)) => "its .gltf and .glb files have no animations",
             () => "only .gltf and .glb files have animations",
         };
         return vec![Fault::value(Vec::new(), format!("{message}: {still}"))];
     }
-    let timed = meshes.filter(|(_, mesh)| mesh.time.is_some() && !moves(mesh));
-    let warn = |(index, mesh): (usize, &MeshFile)| {
+    let timed = meshes.iter().filter(|(_, mesh)| mesh.time.is_some() && !moves(mesh));
+    let warn = |(at, mesh): &(Vec<Step>, &MeshFile)| {
         let still = match format(mesh) {
             Some(format) if !format.is_animated() => format!(".{format} files have no animations"),
             _ => format!("{} has no animations", names::printable(&mesh.file)),
         };
-        let message = format!("`time` in `mesh` of shape {} does nothing: {still}", index + 1);
-        Fault::key(steps!["shapes", index, "mesh", "time"], message)
+        let at = below(at, "time");
+        let message = format!("{} does nothing: {still}", subject(&at));
+        Fault::key(at, message)
     };
     timed.map(warn).collect()
 }
 
 /// A warning of each dielectric without an inside.
-fn sheets(scene: &Scene, shapes: &[ShapeFile]) -> Vec<Fault> {
+fn sheets(scene: &Scene) -> Vec<Fault> {
     let is_dielectric = |shape: &&Shape| scene.materials[shape.material].is_dielectric();
     let sheets = scene.shapes.iter().filter(|shape| shape.geometry.is_sheet()).filter(is_dielectric);
-    sheets.map(|shape| sheet(shape, shapes[shape.entry].material.as_deref().unwrap_or_default())).collect()
+    sheets.map(|shape| sheet(shape, &scene.materials[shape.material].name)).collect()
 }
 
 fn sheet(shape: &Shape, material: &str) -> Fault {
     let kind = shape.geometry.key();
+    let open = if matches!(kind, "cylinder" | "cone") { " without caps" } else { "" };
     let message = format!(
-        "a {kind} has no inside, so {} fills all that lies behind it, up to another {kind} of that material that \
+        "a {kind}{open} has no inside, so {} fills all that lies behind it, up to another {kind} of that material that \
          faces the other way: a pane is a thin `box`",
         names::quoted(material)
     );
     Fault::key(steps!["shapes", shape.entry, kind], message)
+}
+
+/// A warning of air that no light from infinitely far away comes through.
+fn endlessness(scene: &Scene) -> Option<Fault> {
+    let air = scene.air?;
+    let comes_through = (air.absorption + air.scattering).min_element() <= 0.0;
+    if scene.environment.is_black() || comes_through {
+        return None;
+    }
+    let message = "[air] has no end, so no light of [environment] comes through it: for fog under a sky, give a large body a \
+                   material with a `medium` instead";
+    Some(Fault::value(steps!["air"], message))
 }
 
 /// A warning when the picture will be black.
@@ -243,7 +287,8 @@ fn darkness(scene: &Scene) -> Option<Fault> {
     let mut used = scene.shapes.iter().map(|shape| &scene.materials[shape.material]);
     let mut imported = scene.materials.iter().filter(|material| material.imported);
     let shines = used.any(Material::is_emissive) || imported.any(Material::is_emissive);
-    if !scene.environment.is_black() || !scene.lights.is_empty() || shines {
+    let has_light = scene.lights.iter().any(|light| light.intensity != [0.0; 3]);
+    if !scene.environment.is_black() || has_light || shines {
         return None;
     }
     let message = "nothing in the scene shines, so the picture will be black: give [environment] \

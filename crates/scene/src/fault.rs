@@ -191,6 +191,16 @@ pub(crate) fn place(path: &[Step]) -> String {
         [Step::Key(shapes), Step::Index(index), Step::Key(key)] if shapes == "shapes" => {
             format!("in {} of shape {}", names::quoted(key), index + 1)
         }
+        [Step::Key(groups), Step::Key(name), Step::Index(index)] if groups == "groups" => {
+            format!("in shape {} of group {}", index + 1, names::quoted(name))
+        }
+        [Step::Key(groups), Step::Key(name), Step::Index(index), Step::Key(key)] if groups == "groups" => {
+            format!("in {} of shape {} of group {}", names::quoted(key), index + 1, names::quoted(name))
+        }
+        [Step::Key(lights), Step::Index(index)] if lights == "lights" => format!("in light {}", index + 1),
+        [Step::Key(lights), Step::Index(index), Step::Key(key)] if lights == "lights" => {
+            format!("in {} of light {}", names::quoted(key), index + 1)
+        }
         [table, list, Step::Index(index)] if is_keyframes(table, list) => {
             format!("in keyframe {} of [camera]", index + 1)
         }
@@ -218,6 +228,11 @@ pub(crate) fn subject(path: &[Step]) -> String {
         [Step::Key(shapes), Step::Index(index)] if shapes == "shapes" => {
             format!("shape {}", index + 1)
         }
+        [Step::Key(groups), Step::Key(name), Step::Index(index)] if groups == "groups" => {
+            format!("shape {} of group {}", index + 1, names::quoted(name))
+        }
+        [Step::Key(groups), Step::Key(name)] if groups == "groups" => format!("group {}", names::quoted(name)),
+        [Step::Key(lights), Step::Index(index)] if lights == "lights" => format!("light {}", index + 1),
         [table, list, Step::Index(index)] if is_keyframes(table, list) => {
             format!("keyframe {} of [camera]", index + 1)
         }

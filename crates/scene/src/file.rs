@@ -2,7 +2,10 @@
 //!
 //! Doc comments of these types are the descriptions in the schema, so they speak to whoever writes a scene.
 
+mod color;
 mod keyframes;
+mod lights;
+mod medium;
 mod principled;
 
 use std::fmt;
@@ -20,15 +23,20 @@ use crate::number::{
 };
 use crate::scene::{Filter, Panorama, RenderSettings, Sampler};
 
+pub(crate) use color::{COLOR, Color};
 pub(crate) use keyframes::{KeyframeFile, Keyframes};
+pub(crate) use lights::{DirectionalFile, LightFile, Lights, PointFile, SpotFile};
+pub(crate) use medium::{CoefficientFile, MediumFile};
 pub(crate) use principled::{
     AlphaModeFile, PrincipledFile, TextureFile, TextureFilterFile, TextureTable, WrapFile, WrapName,
 };
 
 /// A point or a direction: x, y and z.
 pub(crate) type Point = [Coordinate; 3];
-/// Linear red, green and blue, 0 or more.
-pub(crate) type Radiance = [Brightness; 3];
+/// Red, green and blue, 0 or more.
+pub(crate) type Radiance = Color<Brightness>;
+/// Red, green and blue, 0 to 1.
+pub(crate) type SurfaceColor = Color<Fraction>;
 /// Rank among overlapping dielectrics: the highest wins.
 pub(crate) type Priority = Whole<-2147483648, 2147483647>;
 
@@ -48,9 +56,17 @@ pub(crate) struct SceneFile {
     pub camera: CameraFile,
     /// Light from outside; absent: black.
     pub environment: Option<EnvironmentFile>,
+    /// Medium that fills the scene around all bodies, such as fog; absent: none.
+    pub air: Option<MediumFile>,
+    /// Lights that are no surfaces, in any order.
+    #[serde(default)]
+    pub lights: Lights,
     /// Materials by name.
     #[serde(default)]
     pub materials: Materials,
+    /// Groups of shapes by name, which are seen where a shape names them.
+    #[serde(default)]
+    pub groups: Groups,
     /// Shapes that there are to see, in any order.
     #[serde(default)]
     pub shapes: Shapes,
@@ -167,15 +183,20 @@ pub(crate) struct EnvironmentFile {
     pub intensity: Option<Brightness>,
 }
 
-/// Way in which a surface reflects, transmits and emits light: `principled`, or any of the other keys.
+/// Way in which a surface reflects, transmits and emits light: `principled`, or any of the other keys; and what a body is
+/// filled with. A body of a `medium` alone has no surface.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(extend("if" = { "required": ["principled"] }, "then" = { "maxProperties": 1 }))]
+#[schemars(extend("if" = { "required": ["principled"] }, "then" = {
+    "propertyNames": { "enum": ["principled", "medium"] }
+}, "else" = { "if": { "required": ["medium"], "not": { "required": ["refractive_index"] } }, "then": {
+    "propertyNames": { "enum": ["medium", "priority"] }
+} }))]
 #[schemars(rename = "Material")]
 pub(crate) struct MaterialFile {
     /// Part of the light that is reflected, or transmitted; [0, 0, 0] by default when `emission_strength` is greater than 0.
     #[schemars(extend("default" = [0.8, 0.8, 0.8]))]
-    pub color: Option<[Reflectance; 3]>,
+    pub color: Option<Color<Reflectance>>,
     /// Colour of the emitted light.
     #[schemars(extend("default" = [1.0, 1.0, 1.0]))]
     pub emission_color: Option<Radiance>,
@@ -193,7 +214,9 @@ pub(crate) struct MaterialFile {
     /// Priority among overlapping dielectrics: the higher one wins, and of equal ones the one entered last.
     #[schemars(extend("default" = 0))]
     pub priority: Option<Priority>,
-    /// A physically based material with glTF's names and meanings; no other key may stand beside it.
+    /// Medium that fills a body of the material, which refracts light by its `refractive_index`, or transmits it as `principled`; without either the body has no surface, as fog and smoke have none.
+    pub medium: Option<MediumFile>,
+    /// A physically based material with glTF's names and meanings; no other key may stand beside it but `medium`.
     pub principled: Option<PrincipledFile>,
 }
 
@@ -222,7 +245,7 @@ pub(crate) enum ReflectionName {
 #[schemars(extend("oneOf" = shape_alternatives()))]
 #[schemars(rename = "Shape")]
 pub(crate) struct ShapeFile {
-    /// Name of one of the materials; only a mesh whose file has materials may go without.
+    /// Name of one of the materials; only a group, and a mesh whose file has materials, may go without: then their own are seen.
     pub material: Option<String>,
     /// A sphere.
     pub sphere: Option<SphereFile>,
@@ -230,11 +253,21 @@ pub(crate) struct ShapeFile {
     pub plane: Option<PlaneFile>,
     /// A rectangle; both sides reflect and emit.
     pub rectangle: Option<RectangleFile>,
+    /// A disk; both sides reflect and emit.
+    pub disk: Option<DiskFile>,
+    /// A cylinder, open or closed.
+    pub cylinder: Option<CylinderFile>,
+    /// A cone, open or closed, which may be cut off.
+    pub cone: Option<ConeFile>,
     /// A box, which may be turned.
     #[serde(rename = "box")]
     pub cuboid: Option<BoxFile>,
     /// Triangles from a file. Without `material` it has the file's own materials.
     pub mesh: Option<MeshFile>,
+    /// Name of a group, all of whose shapes are seen. With `material` all are made of that.
+    pub group: Option<String>,
+    /// Transform of the shape, or of all of the group. Absent: it stays where it is.
+    pub transform: Option<TransformFile>,
 }
 
 impl ShapeFile {
@@ -244,8 +277,12 @@ impl ShapeFile {
             ("sphere", self.sphere.is_some()),
             ("plane", self.plane.is_some()),
             ("rectangle", self.rectangle.is_some()),
+            ("disk", self.disk.is_some()),
+            ("cylinder", self.cylinder.is_some()),
+            ("cone", self.cone.is_some()),
             ("box", self.cuboid.is_some()),
             ("mesh", self.mesh.is_some()),
+            ("group", self.group.is_some()),
         ];
         geometries.into_iter()
     }
@@ -253,7 +290,7 @@ impl ShapeFile {
 
 /// Keys that a shape must have, in each of the ways to write one.
 fn shape_alternatives() -> Vec<Value> {
-    let required = |key| if key == "mesh" { json!([key]) } else { json!(["material", key]) };
+    let required = |key| if matches!(key, "mesh" | "group") { json!([key]) } else { json!(["material", key]) };
     let empty = ShapeFile::default();
     empty.geometries().map(|(key, _)| json!({ "required": required(key) })).collect()
 }
@@ -293,6 +330,54 @@ pub(crate) struct RectangleFile {
     pub edge_v: Point,
 }
 
+/// A disk; both sides reflect and emit.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Disk")]
+pub(crate) struct DiskFile {
+    /// Centre of the disk.
+    pub center: Point,
+    /// Normal of the disk, of any length but 0.
+    pub normal: Point,
+    /// Radius of the disk, greater than 0.
+    pub radius: Positive,
+}
+
+/// A cylinder. Open, both its sides reflect and emit.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Cylinder")]
+pub(crate) struct CylinderFile {
+    /// Centre of one end.
+    pub base: Point,
+    /// Centre of the other end.
+    pub top: Point,
+    /// Radius of the cylinder, greater than 0.
+    pub radius: Positive,
+    /// Whether disks close both ends.
+    #[serde(default = "yes")]
+    pub capped: bool,
+}
+
+/// A cone, which may be cut off. Open, both its sides reflect and emit.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Cone")]
+pub(crate) struct ConeFile {
+    /// Centre of the wide end.
+    pub base: Point,
+    /// The apex, or the centre of the end where it is cut off.
+    pub top: Point,
+    /// Radius at `base`, greater than 0.
+    pub radius: Positive,
+    /// Radius at `top`, where the cone is cut off; 0 for an apex.
+    #[serde(default = "zero")]
+    pub top_radius: NonNegative,
+    /// Whether disks close both ends.
+    #[serde(default = "yes")]
+    pub capped: bool,
+}
+
 /// A box, which may be turned.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -325,6 +410,22 @@ pub(crate) struct MeshFile {
     pub scale: Option<ScaleFile>,
     /// Moment of the file's animations, in seconds from their beginning; absent: the pose of rest.
     pub time: Option<NonNegative>,
+}
+
+/// Transform of a shape or of a group: p becomes translation + rotation * scale * p.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Transform")]
+pub(crate) struct TransformFile {
+    /// Translation, applied last.
+    #[serde(default = "origin")]
+    pub translation: Point,
+    /// Angles by which the shape is turned, about the fixed x axis first, then y, then z.
+    #[serde(default = "origin")]
+    pub rotation_degrees: Point,
+    /// One factor, greater than 0; where there is nothing but meshes also one for each of x, y and z, and negative ones, which mirror.
+    #[schemars(extend("default" = 1.0))]
+    pub scale: Option<ScaleFile>,
 }
 
 /// One factor, or one for each of x, y and z.
@@ -387,9 +488,14 @@ impl JsonSchema for Materials {
 #[derive(Debug, Default)]
 pub(crate) struct Shapes(pub Vec<ShapeFile>);
 
+impl Shapes {
+    /// Name of the list, as its tables are written.
+    pub const NAME: &'static str = "shapes";
+}
+
 impl<'de> Deserialize<'de> for Shapes {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_seq(ShapesVisitor)
+        deserializer.deserialize_tuple_struct(Self::NAME, 0, ShapesVisitor)
     }
 }
 
@@ -429,6 +535,77 @@ impl JsonSchema for Shapes {
     }
 }
 
+/// Groups of shapes in the order of the file, with their names.
+#[derive(Debug, Default)]
+pub(crate) struct Groups(pub Vec<(String, Group)>);
+
+impl<'de> Deserialize<'de> for Groups {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        // A table of any keys, whose faults are not noted one by one as those of materials are.
+        deserializer.deserialize_struct("groups", &[], GroupsVisitor)
+    }
+}
+
+struct GroupsVisitor;
+
+impl<'de> Visitor<'de> for GroupsVisitor {
+    type Value = Groups;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("a table")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Groups, A::Error> {
+        let mut groups = Vec::new();
+        while let Some(group) = map.next_entry()? {
+            groups.push(group);
+        }
+        Ok(Groups(groups))
+    }
+}
+
+impl JsonSchema for Groups {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Groups".into()
+    }
+
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        <std::collections::BTreeMap<String, Vec<ShapeFile>>>::json_schema(generator)
+    }
+}
+
+/// Shapes of a group in the order of the file.
+#[derive(Debug, Default)]
+pub(crate) struct Group(pub Vec<ShapeFile>);
+
+impl<'de> Deserialize<'de> for Group {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_tuple_struct("groups.NAME", 0, GroupVisitor)
+    }
+}
+
+struct GroupVisitor;
+
+impl<'de> Visitor<'de> for GroupVisitor {
+    type Value = Group;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("a list")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Group, A::Error> {
+        let mut shapes = Vec::with_capacity(list.size_hint().unwrap_or_default());
+        while let Some(shape) = list.next_element()? {
+            shapes.push(shape);
+        }
+        Ok(Group(shapes))
+    }
+}
+
 impl Default for RenderFile {
     fn default() -> Self {
         let RenderSettings { width, height, samples, max_depth, seed, sampler, filter, alpha, surface_offset, .. } =
@@ -454,6 +631,10 @@ fn origin() -> Point {
 
 fn y_axis() -> Point {
     [Coordinate(0.0), Coordinate(1.0), Coordinate(0.0)]
+}
+
+fn yes() -> bool {
+    true
 }
 
 fn zero() -> NonNegative {

@@ -9,8 +9,15 @@ use crate::schema;
 type Foreign = &'static [(&'static [&'static str], &'static str)];
 
 const TOP: Foreign = &[
-    (&["lights", "light", "lamps"], "a lamp is a shape whose material has an `emission_strength`"),
+    (&["light"], "lights"),
+    (&["group", "collections", "instances", "assemblies"], "groups"),
+    (&["lamps", "emitters", "arealights"], "a lamp is a shape whose material has an `emission_strength`"),
+    (
+        &["sun", "pointlights", "spotlights"],
+        "lights are tables of a list, as in `[[lights]]` and `directional = { direction = [0, -1, 0] }`",
+    ),
     (&["sky", "background", "world", "envmap"], "environment"),
+    (&["fog", "haze", "mist", "medium", "atmosphere", "volume"], "air"),
     (&["objects", "object", "geometry", "meshes", "models", "primitives"], "shapes"),
     (&["film", "settings", "image", "output", "sampler", "integrator"], "render"),
 ];
@@ -35,6 +42,16 @@ const RENDER: Foreign = &[
             "aov",
         ],
         "that is an option of `raggio render`, not a key of the scene",
+    ),
+];
+
+const MEDIUM: Foreign = &[
+    (&["sigmaa", "absorptioncoefficient"], "absorption"),
+    (&["sigmas", "scatteringcoefficient", "scatter"], "scattering"),
+    (&["g", "asymmetry", "phase", "phasefunction", "meancosine"], "anisotropy"),
+    (
+        &["density", "extinction", "sigmat", "attenuation", "albedo", "color", "meanfreepath", "radius"],
+        "a medium is what it loses per unit of length: `absorption` and `scattering`",
     ),
 ];
 
@@ -105,6 +122,7 @@ const MATERIAL: Foreign = &[
         &["type", "kind", "bsdf", "shader"],
         "a material's keys say what it is, such as `smoothness` or `refractive_index`",
     ),
+    (&["interior", "volume", "fog", "subsurface", "scattering", "absorption", "inside"], "medium"),
 ];
 
 const PRINCIPLED: Foreign = &[
@@ -140,23 +158,67 @@ const SHAPE: Foreign = &[
     (&["quad", "rect", "square", "parallelogram"], "rectangle"),
     (&["file", "model", "gltf", "glb", "obj", "ply", "stl", "trianglemesh", "instance"], "mesh"),
     (&["ground", "floor", "halfspace"], "plane"),
+    (&["collection", "object", "name"], "group"),
+    (&["translation", "translate", "rotation", "rotationdegrees", "rotate", "scale", "matrix"], "transform"),
     (&["ball"], "sphere"),
+    (&["circle", "disc"], "disk"),
+    (&["tube", "pipe", "rod"], "cylinder"),
     (
-        &[
-            "type",
-            "kind",
-            "geometry",
-            "center",
-            "radius",
-            "position",
-            "normal",
-            "size",
-            "corner",
-            "point",
-            "translation",
-        ],
+        &["type", "kind", "geometry", "center", "radius", "position", "normal", "size", "corner", "point"],
         "a shape's geometry is a table of its own, as in `sphere = { center = [0, 1, 0], radius = 1 }`",
     ),
+];
+
+const LIGHT: Foreign = &[
+    (&["sun", "distant", "distantlight", "directionallight", "parallel", "infinite"], "directional"),
+    (&["pointlight", "omni", "bulb"], "point"),
+    (&["spotlight", "cone"], "spot"),
+    (
+        &["area", "arealight", "sphere", "rectangle", "disk", "mesh"],
+        "a lamp with a surface is a shape whose material has an `emission_strength`",
+    ),
+    (
+        &["type", "kind", "position", "direction", "color", "intensity", "power"],
+        "a light's kind is a table of its own, as in `point = { position = [0, 2, 0], intensity = 5 }`",
+    ),
+];
+
+const POINT: Foreign = &[
+    (&["origin", "location", "from", "center", "translation"], "position"),
+    (&["strength", "power", "brightness", "energy", "lumens", "candela"], "intensity"),
+    (&["emissioncolor", "rgb"], "color"),
+    (&["radius", "size"], "a light with a size is a `sphere` whose material has an `emission_strength`"),
+    (&["range", "falloff", "attenuation"], "light goes on for ever, and falls with the square of the distance"),
+];
+
+const SPOT: Foreign = &[
+    (&["origin", "location", "from", "center", "translation"], "position"),
+    (&["axis", "forward", "normal"], "direction"),
+    (&["to", "target", "lookat", "at"], "`direction` is the way from `position` to the target"),
+    (&["innerangle", "innerconeangle", "inner"], "inner_degrees"),
+    (&["outerangle", "outerconeangle", "outer", "angle", "coneangle"], "outer_degrees"),
+    (&["strength", "power", "brightness", "energy", "lumens", "candela"], "intensity"),
+    (&["emissioncolor", "rgb"], "color"),
+    (&["range", "falloff", "attenuation"], "light goes on for ever, and falls with the square of the distance"),
+];
+
+const DIRECTIONAL: Foreign = &[
+    (&["axis", "forward", "normal"], "direction"),
+    (
+        &["position", "origin", "location", "from"],
+        "it is infinitely far away: `direction` is that in which the light shines",
+    ),
+    (&["to", "target", "lookat", "at"], "`direction` is that in which the light shines"),
+    (&["angle", "size", "angulardiameter", "diameter", "softness"], "angle_degrees"),
+    (&["strength", "power", "brightness", "energy", "irradiance", "lux", "illuminance"], "intensity"),
+    (&["emissioncolor", "rgb"], "color"),
+];
+
+const TRANSFORM: Foreign = &[
+    (&["position", "translate", "offset", "location", "center"], "translation"),
+    (&["rotate", "rotation", "euler", "angles"], "rotation_degrees"),
+    (&["size", "factor"], "scale"),
+    (&["matrix", "toworld"], "a transform is a `translation`, `rotation_degrees` and a `scale`"),
 ];
 
 const SPHERE: Foreign = &[
@@ -181,6 +243,32 @@ const BOX: Foreign = &[
     (&["position", "origin", "location", "translation"], "center"),
     (&["scale", "extent", "extents", "dimensions"], "size"),
     (&["min", "max", "corner"], "a box is its `center` and its `size`"),
+];
+
+const DISK: Foreign = &[
+    (&["position", "origin", "location", "translation", "point"], "center"),
+    (&["n", "up", "direction", "axis"], "normal"),
+    (&["r", "size"], "radius"),
+    (&["diameter"], "`radius` is half of it"),
+];
+
+const CYLINDER: Foreign = &[
+    (&["start", "p0", "from", "bottom", "position", "origin"], "base"),
+    (&["end", "p1", "to"], "top"),
+    (&["r", "size"], "radius"),
+    (&["diameter"], "`radius` is half of it"),
+    (&["caps", "closed", "solid", "cap"], "capped"),
+    (&["center", "axis", "height", "length"], "`base` and `top` are the centres of its ends"),
+];
+
+const CONE: Foreign = &[
+    (&["start", "p0", "from", "bottom", "position", "origin"], "base"),
+    (&["end", "p1", "to", "apex", "tip"], "top"),
+    (&["r", "size", "baseradius", "radius0", "bottomradius"], "radius"),
+    (&["radius1", "tipradius"], "top_radius"),
+    (&["diameter"], "`radius` is half of it"),
+    (&["caps", "closed", "solid", "cap"], "capped"),
+    (&["center", "axis", "height", "length"], "`base` and `top` are the centres of its ends"),
 ];
 
 const MESH: Foreign = &[
@@ -218,13 +306,24 @@ fn foreign_to(path: &[Step]) -> Foreign {
         ["camera", "intrinsics"] => INTRINSICS,
         ["camera", "keyframes", _] => KEYFRAME,
         ["environment"] => ENVIRONMENT,
+        ["air"] | ["materials", _, "medium"] => MEDIUM,
         ["materials", _] => MATERIAL,
         ["materials", _, "principled"] => PRINCIPLED,
         ["materials", _, "principled", _] => TEXTURE,
+        ["lights", _] => LIGHT,
+        ["lights", _, "point"] => POINT,
+        ["lights", _, "spot"] => SPOT,
+        ["lights", _, "directional"] => DIRECTIONAL,
         ["shapes", _] => SHAPE,
+        ["shapes", _, "transform"] | ["groups", _, _, "transform"] => TRANSFORM,
+        ["groups", _, _] => SHAPE,
+        ["groups", _, _, key] => foreign_to(&[Step::from("shapes"), Step::from(0), Step::from(*key)]),
         ["shapes", _, "sphere"] => SPHERE,
         ["shapes", _, "plane"] => PLANE,
         ["shapes", _, "rectangle"] => RECTANGLE,
+        ["shapes", _, "disk"] => DISK,
+        ["shapes", _, "cylinder"] => CYLINDER,
+        ["shapes", _, "cone"] => CONE,
         ["shapes", _, "box"] => BOX,
         ["shapes", _, "mesh"] => MESH,
         _ => &[],
@@ -257,8 +356,9 @@ mod tests {
 
     use super::*;
     use crate::file::{
-        BoxFile, CameraFile, EnvironmentFile, IntrinsicsFile, MaterialFile, MeshFile, PlaneFile, RectangleFile,
-        RenderFile, SceneFile, ShapeFile, SphereFile, TextureTable,
+        BoxFile, CameraFile, ConeFile, CylinderFile, DirectionalFile, DiskFile, EnvironmentFile, IntrinsicsFile,
+        LightFile, MaterialFile, MediumFile, MeshFile, PlaneFile, PointFile, RectangleFile, RenderFile, SceneFile,
+        ShapeFile, SphereFile, SpotFile, TextureTable, TransformFile,
     };
 
     /// Asserts that the table leads from keys that do not exist to keys that do.
@@ -283,13 +383,22 @@ mod tests {
         check::<CameraFile>(CAMERA);
         check::<IntrinsicsFile>(INTRINSICS);
         check::<EnvironmentFile>(ENVIRONMENT);
+        check::<MediumFile>(MEDIUM);
         check::<MaterialFile>(MATERIAL);
         check::<PrincipledFile>(PRINCIPLED);
         check::<TextureTable>(TEXTURE);
+        check::<LightFile>(LIGHT);
+        check::<PointFile>(POINT);
+        check::<SpotFile>(SPOT);
+        check::<DirectionalFile>(DIRECTIONAL);
         check::<ShapeFile>(SHAPE);
+        check::<TransformFile>(TRANSFORM);
         check::<SphereFile>(SPHERE);
         check::<PlaneFile>(PLANE);
         check::<RectangleFile>(RECTANGLE);
+        check::<DiskFile>(DISK);
+        check::<CylinderFile>(CYLINDER);
+        check::<ConeFile>(CONE);
         check::<BoxFile>(BOX);
         check::<MeshFile>(MESH);
     }

@@ -59,8 +59,9 @@ pub use raggio_models::{
     Texture, TextureFilter, Wrap,
 };
 pub use scene::{
-    Camera, Entry, Environment, Filter, Geometry, Integrator, Intrinsics, Material, Panorama, Placement, Projection,
-    Reflection, RenderSettings, Sampler, Scene, Shape, rotation,
+    Camera, Contents, Entry, Environment, Filter, Geometry, Integrator, Intrinsics, LightEntry, LightPlace, Material,
+    Medium, Panorama, Placement, Projection, Reflection, RenderSettings, Sampler, Scene, Shape, Transform, axes_around,
+    rotation,
 };
 pub use schema::schema;
 pub use showing::cameras;

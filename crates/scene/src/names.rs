@@ -72,9 +72,9 @@ fn likeness(a: &str, b: &str) -> f64 {
     strsim::normalized_damerau_levenshtein(&a, &b).max(floor)
 }
 
-/// List of names such as "`a`, `b` and `c`", at most eight of them.
+/// List of names such as "`a`, `b` and `c`", at most nine of them.
 pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>, conjunction: &str) -> String {
-    const SHOWN: usize = 8;
+    const SHOWN: usize = 9;
     let names: Vec<&str> = names.into_iter().collect();
     let mut shown: Vec<String> = names.iter().take(SHOWN).map(|name| quoted(name)).collect();
     if names.len() > SHOWN {

@@ -69,6 +69,11 @@ fn reflectance(x: f64) -> Result<(), Rule> {
     require((0.0..=1.0).contains(&x), "must be between 0 and 1", advice)
 }
 
+fn encoded(x: f64) -> Result<(), Rule> {
+    let advice = "sRGB of 255 steps is a text such as `\"#ff8800\"`";
+    require((0.0..=1.0).contains(&x), "must be between 0 and 1", advice)
+}
+
 fn refractive_index(x: f64) -> Result<(), Rule> {
     let advice = "air has 1, water 1.33, glass 1.5, diamond 2.42";
     require((0.1..=10.0).contains(&x), "must be between 0.1 and 10", advice)
@@ -79,11 +84,27 @@ fn ior(x: f64) -> Result<(), Rule> {
     require((1.0..=10.0).contains(&x), "must be between 1 and 10", advice)
 }
 
+fn asymmetry(x: f64) -> Result<(), Rule> {
+    let advice = "0 scatters to all sides alike, more goes forward, less goes back";
+    require((-0.999..=0.999).contains(&x), "must be between -0.999 and 0.999", advice)
+}
+
 fn field_of_view(x: f64) -> Result<(), Rule> {
     let in_range = x > 0.0 && x < 180.0;
     require(in_range, "must be greater than 0 and less than 180", "")?;
     let in_range = (0.001..=179.999).contains(&x);
     require(in_range, "must be at least 0.001 and at most 179.999", "")
+}
+
+/// A cone's angle from its axis.
+fn cone_angle(x: f64) -> Result<(), Rule> {
+    require((0.0..=90.0).contains(&x), "must be between 0 and 90", "it is counted from the axis")
+}
+
+/// Width of a disk of the sky: directions of 32 bits find smaller ones by luck alone.
+fn disk_angle(x: f64) -> Result<(), Rule> {
+    let in_range = x == 0.0 || (0.01..=180.0).contains(&x);
+    require(in_range, "must be 0, or at least 0.01 and at most 180", "the sun's is 0.53, seen from the earth")
 }
 
 fn focal_length(x: f64) -> Result<(), Rule> {
@@ -145,12 +166,20 @@ numbers! {
     Fraction, fraction, { "minimum": 0, "maximum": 1 };
     /// One component of a surface's colour.
     Reflectance, reflectance, { "minimum": 0, "maximum": 1 };
+    /// Mean cosine of the angle by which a medium scatters light.
+    Asymmetry, asymmetry, { "minimum": -0.999, "maximum": 0.999 };
+    /// One component of a colour, encoded as sRGB.
+    Encoded, encoded, { "minimum": 0, "maximum": 1 };
     /// Refractive index relative to vacuum.
     RefractiveIndex, refractive_index, { "minimum": 0.1, "maximum": 10 };
     /// Refractive index of a principled material, relative to vacuum.
     Ior, ior, { "minimum": 1, "maximum": 10 };
     /// Angle of view in degrees.
     FieldOfView, field_of_view, { "minimum": 0.001, "maximum": 179.999 };
+    /// Angle from the axis of a cone, in degrees.
+    ConeAngle, cone_angle, { "minimum": 0, "maximum": 90 };
+    /// Width of a disk of the sky in degrees; 0 for none.
+    DiskAngle, disk_angle, { "minimum": 0, "maximum": 180, "not": { "exclusiveMinimum": 0, "exclusiveMaximum": 0.01 } };
     /// Focal length in pixels.
     FocalLength, focal_length, { "minimum": 0.001, "maximum": 1e9 };
     /// Place along one side of a picture, in pixels.

@@ -22,6 +22,7 @@ use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 
 use crate::fault::{Fault, Kind, Step, steps};
+use crate::file::{COLOR, Shapes};
 use crate::names;
 use crate::review::Review;
 use stand_in::StandIn;
@@ -171,24 +172,29 @@ impl<'de> Deserializer<'de> for Node<'de> {
         visitor.visit_newtype_struct(self)
     }
 
-    /// Reads a list of any length whose elements are parts of their own; the only one is that of the shapes.
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         match self.value {
-            DeValue::Array(array) => visitor.visit_seq(self.items(array, true)),
-            DeValue::Table(_) => Err(self.is_not("a list, written `[[shapes]]`")),
+            DeValue::Array(array) => visitor.visit_seq(self.items(array, false)),
             _ => Err(self.is_not("a list")),
         }
     }
 
-    /// Reads a list of any length with the other keys of the table around it.
+    /// Reads a colour, which has three components, or a list of tables, which has any length. Shapes are parts of their own;
+    /// other lists are read with the keys of the table around them.
     fn deserialize_tuple_struct<V: Visitor<'de>>(
         self,
         name: &'static str,
-        _: usize,
+        length: usize,
         visitor: V,
     ) -> Result<V::Value, Fault> {
         match self.value {
-            DeValue::Array(array) => visitor.visit_seq(self.items(array, false)),
+            DeValue::Array(array) if length > 0 && array.len() != length => {
+                Err(Fault::new(Kind::WrongLength { expected: length, found: array.len() }))
+            }
+            DeValue::Array(array) => visitor.visit_seq(self.items(array, name == Shapes::NAME)),
+            DeValue::String(text) if length > 0 => visitor.visit_str(text),
+            DeValue::Table(table) if length > 0 => visitor.visit_map(self.entries(table, false)),
+            _ if length > 0 => Err(self.is_not(COLOR)),
             DeValue::Table(_) => Err(self.is_not(format!("a list, written `[[{name}]]`"))),
             _ => Err(self.is_not("a list")),
         }
@@ -259,7 +265,7 @@ impl<'de> SeqAccess<'de> for Items<'de> {
         };
         let element = read_value(seed, Some(value.get_ref()), self.review).map(Some);
         element.map_err(|fault| match self.is_list {
-            true => self.review.note_part(fault, steps!["shapes", index]),
+            true => self.review.note_part(fault, steps![Shapes::NAME, index]),
             false => fault.inside(Step::Index(index)),
         })
     }

@@ -3,10 +3,10 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, EulerRot, Vec3};
+use glam::{DAffine3, DMat3, DVec3, EulerRot, Vec3};
 use raggio_choice::choice;
 use raggio_images::Bitmap;
-use raggio_models::{Light, Mesh, Part, Principled};
+use raggio_models::{Light, LightKind, Mesh, Part, Principled};
 
 /// A checked scene: every number is finite, every index is in range.
 ///
@@ -19,14 +19,18 @@ pub struct Scene {
     pub camera: Camera,
     /// The light that comes from outside.
     pub environment: Environment,
+    /// Medium that fills the scene around all bodies.
+    pub air: Option<Medium>,
     /// Materials in the order of the file; after them those that came with models.
     pub materials: Vec<Material>,
     /// Shapes in the order of the file; a model may become many.
     pub shapes: Vec<Shape>,
     /// Results of each `[[shapes]]` of the file, in its order.
     pub entries: Vec<Entry>,
-    /// Lights without size, which came with models.
+    /// Lights that are no surfaces: those of `light_entries`, and after them those that came with models.
     pub lights: Vec<Light>,
+    /// Each `[[lights]]` of the file, in its order.
+    pub light_entries: Vec<LightEntry>,
     /// Warnings of things that are allowed but probably not meant, each as `file:line:column: sentence`.
     pub warnings: Vec<String>,
 }
@@ -259,7 +263,18 @@ impl Environment {
     }
 }
 
-/// Reflection, transmission and emission of light at a surface.
+/// A homogeneous medium, which absorbs and scatters light on its way.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Medium {
+    /// Absorption coefficients of red, green and blue, per unit of length, 0 or more.
+    pub absorption: Vec3,
+    /// Scattering coefficients of red, green and blue, per unit of length, 0 or more.
+    pub scattering: Vec3,
+    /// Mean cosine of the angle by which light is scattered, the g of Henyey and Greenstein, -0.999 to 0.999.
+    pub anisotropy: f32,
+}
+
+/// Reflection, transmission and emission of light at a surface, and what is behind it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Name of the material, the key under `[materials]`.
@@ -280,6 +295,9 @@ pub struct Material {
     pub priority: i32,
     /// Principled material. If there is one, everything above but the name is without meaning.
     pub principled: Option<Arc<Principled>>,
+    /// Medium that fills bodies of the material. With neither a refractive index nor a principled material these have no
+    /// surface.
+    pub medium: Option<Medium>,
     /// Whether the material came with a model and is not in the scene file.
     pub imported: bool,
 }
@@ -297,6 +315,7 @@ impl Default for Material {
             reflection: Reflection::Fresnel,
             priority: 0,
             principled: None,
+            medium: None,
             imported: false,
         }
     }
@@ -311,12 +330,17 @@ impl Material {
         self.emission_strength > 0.0 && self.emission_color != Vec3::ZERO
     }
 
-    /// Whether light passes into the material's bodies, bent by a refractive index.
+    /// Whether light passes into the material's bodies, bent by a refractive index or, where they have no surface, not bent.
     pub fn is_dielectric(&self) -> bool {
         match &self.principled {
             Some(principled) => principled.transmission > 0.0 && !principled.thin_walled,
-            None => self.refractive_index.is_some(),
+            None => self.refractive_index.is_some() || self.medium.is_some(),
         }
+    }
+
+    /// Whether the material's bodies have no surface, but only a medium.
+    pub fn is_seamless(&self) -> bool {
+        self.principled.is_none() && self.refractive_index.is_none() && self.medium.is_some()
     }
 }
 
@@ -355,10 +379,148 @@ impl Shape {
 pub struct Entry {
     /// Range of [`Scene::shapes`], empty for a model without triangles.
     pub shapes: Range<usize>,
-    /// Index of the material that the file names; a model may go without.
+    /// Index of the material that the file names; a model or a group may go without.
     pub material: Option<usize>,
-    /// Placement of a model; other shapes say themselves where they are.
-    pub placement: Option<Placement>,
+    /// What the file says there is.
+    pub contents: Contents,
+    /// Transform of that into the world.
+    pub transform: Transform,
+}
+
+impl Entry {
+    /// Placement of a model.
+    pub fn placement(&self) -> Option<&Placement> {
+        match &self.contents {
+            Contents::Model(placement) => Some(placement),
+            _ => None,
+        }
+    }
+
+    /// Geometry of a single shape, as it is before its transform.
+    pub fn geometry(&self) -> Option<&Geometry> {
+        match &self.contents {
+            Contents::Geometry(geometry) => Some(geometry),
+            _ => None,
+        }
+    }
+
+    /// Key in the scene file, which is also the name of the kind.
+    pub fn key(&self) -> &'static str {
+        match &self.contents {
+            Contents::Geometry(geometry) => geometry.key(),
+            Contents::Model(_) => "mesh",
+            Contents::Group(_) => "group",
+        }
+    }
+}
+
+/// What a `[[shapes]]` of the file says there is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Contents {
+    /// A shape that is no model.
+    Geometry(Geometry),
+    /// All of a model.
+    Model(Placement),
+    /// All shapes of the group of this name.
+    Group(String),
+}
+
+/// Transform of a shape: p becomes `translation` + rotation * `scale` * p.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transform {
+    /// Translation, applied last.
+    pub translation: Vec3,
+    /// Angles of turns about the axes in degrees, as [`rotation`] takes them.
+    pub rotation_degrees: Vec3,
+    /// Factors along the axes; no component is 0.
+    pub scale: Vec3,
+}
+
+impl Transform {
+    /// Transform that changes nothing.
+    pub const IDENTITY: Self = Self { translation: Vec3::ZERO, rotation_degrees: Vec3::ZERO, scale: Vec3::ONE };
+}
+
+/// A `[[lights]]` of the file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightEntry {
+    /// Kind of the light, where it is, and where it shines.
+    pub place: LightPlace,
+    /// Colour of the light, linear; components are 0 or more.
+    pub color: Vec3,
+    /// Radiant intensity of points and spots, irradiance of directional lights on what faces them, which `color` multiplies.
+    pub intensity: f32,
+}
+
+/// Kind of a light that is no surface, where it is, and where it shines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightPlace {
+    /// A point that shines in all directions.
+    Point {
+        /// Position of the light.
+        position: Vec3,
+    },
+    /// A point that shines into a cone.
+    Spot {
+        /// Position of the light.
+        position: Vec3,
+        /// Direction of the cone's axis, of unit length.
+        direction: Vec3,
+        /// Angle from the axis within which all the light is seen, at least 0.
+        inner_degrees: f32,
+        /// Angle from the axis beyond which none is, at least the inner one and at most 90.
+        outer_degrees: f32,
+    },
+    /// Light from infinitely far away.
+    Directional {
+        /// Direction in which the light shines, of unit length.
+        direction: Vec3,
+        /// Width of the disk that it comes from: 0, or 0.01 to 180.
+        angle_degrees: f32,
+    },
+}
+
+impl LightPlace {
+    /// Key in the scene file, which is also the name of the kind.
+    pub fn key(&self) -> &'static str {
+        match self {
+            Self::Point { .. } => "point",
+            Self::Spot { .. } => "spot",
+            Self::Directional { .. } => "directional",
+        }
+    }
+}
+
+impl LightEntry {
+    /// Whether no light comes from it.
+    pub fn is_black(&self) -> bool {
+        self.intensity == 0.0 || self.color == Vec3::ZERO
+    }
+
+    /// The light itself.
+    pub fn light(&self) -> Light {
+        let radians = |degrees: f32| f64::from(degrees).to_radians() as f32;
+        let (position, direction, kind) = match self.place {
+            LightPlace::Point { position } => (position, Vec3::NEG_Y, LightKind::Point),
+            LightPlace::Spot { position, direction, inner_degrees, outer_degrees } => {
+                let kind = LightKind::Spot { inner: radians(inner_degrees), outer: radians(outer_degrees) };
+                (position, direction, kind)
+            }
+            LightPlace::Directional { direction, angle_degrees: 0.0 } => {
+                (Vec3::ZERO, direction, LightKind::Directional)
+            }
+            LightPlace::Directional { direction, angle_degrees } => {
+                (Vec3::ZERO, direction, LightKind::Sun { half_angle: radians(0.5 * angle_degrees) })
+            }
+        };
+        Light {
+            name: String::new(),
+            intensity: (self.color * self.intensity).to_array(),
+            position: position.as_dvec3(),
+            direction: direction.as_dvec3().normalize(),
+            kind,
+        }
+    }
 }
 
 /// Placement of a model: p becomes `translation` + rotation * `scale` * p.
@@ -400,6 +562,39 @@ pub enum Geometry {
         /// Edge from the corner along the other side, at a right angle to `edge_u`.
         edge_v: Vec3,
     },
+    /// A disk, both sides of which reflect and emit.
+    Disk {
+        /// Centre of the disk.
+        center: Vec3,
+        /// Normal of the disk, of unit length.
+        normal: Vec3,
+        /// Radius of the disk, positive.
+        radius: f32,
+    },
+    /// A cylinder. Open, both its sides reflect and emit.
+    Cylinder {
+        /// Centre of one end.
+        base: Vec3,
+        /// Centre of the other end, elsewhere.
+        top: Vec3,
+        /// Radius of the cylinder, positive.
+        radius: f32,
+        /// Whether disks close both ends.
+        capped: bool,
+    },
+    /// A cone, which may be cut off. Open, both its sides reflect and emit.
+    Cone {
+        /// Centre of the wide end.
+        base: Vec3,
+        /// The apex, or the centre of the end where it is cut off; not `base`.
+        top: Vec3,
+        /// Radius at `base`, positive.
+        radius: f32,
+        /// Radius at `top`, 0 or more; 0 for an apex.
+        top_radius: f32,
+        /// Whether disks close both ends.
+        capped: bool,
+    },
     /// A box that may be turned.
     Box {
         /// Centre of the box, about which it turns.
@@ -428,6 +623,9 @@ impl Geometry {
             Self::Sphere { .. } => "sphere",
             Self::Plane { .. } => "plane",
             Self::Rectangle { .. } => "rectangle",
+            Self::Disk { .. } => "disk",
+            Self::Cylinder { .. } => "cylinder",
+            Self::Cone { .. } => "cone",
             Self::Box { .. } => "box",
             Self::Mesh { .. } => "mesh",
         }
@@ -436,10 +634,22 @@ impl Geometry {
     /// Whether there is no inside, so that a dielectric fills all that lies behind.
     pub fn is_sheet(&self) -> bool {
         match self {
-            Self::Rectangle { .. } => true,
+            Self::Rectangle { .. } | Self::Disk { .. } => true,
+            Self::Cylinder { capped, .. } | Self::Cone { capped, .. } => !capped,
             Self::Sphere { .. } | Self::Plane { .. } | Self::Box { .. } | Self::Mesh { .. } => false,
         }
     }
+}
+
+/// Axes of what lies around the unit vector `axis`, itself the last: images on it have the first to the right and the second
+/// upward. They are those of `Frame` in `kernels/frame.slang` [duff2017basis].
+pub fn axes_around(axis: DVec3) -> [DVec3; 3] {
+    let sign = if axis.z < 0.0 { -1.0 } else { 1.0 };
+    let a = -1.0 / (sign + axis.z);
+    let b = axis.x * axis.y * a;
+    let x = DVec3::new(1.0 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x);
+    let y = DVec3::new(b, sign + axis.y * axis.y * a, -axis.y);
+    [x, y, axis]
 }
 
 /// Rotation by `rotation_degrees` about the world's axes, x first, then y, then z. Its columns are the turned axes.

@@ -2,8 +2,9 @@
 
 use crate::common::{EXAMPLE, check_invariants, reference_scene};
 use raggio_scene::{
-    AlphaMode, Camera, Entry, Environment, Filter, Geometry, Integrator, Intrinsics, Material, Panorama, Principled,
-    Projection, Reflection, RenderSettings, Sampler, Scene, Shape, Vec3,
+    AlphaMode, Camera, Contents, Entry, Environment, Filter, Geometry, Integrator, Intrinsics, LightEntry, LightKind,
+    LightPlace, Material, Medium, Panorama, Principled, Projection, Reflection, RenderSettings, Sampler, Scene, Shape,
+    Texels, Transform, Vec3,
 };
 
 const HEAD: &str = "version = 1
@@ -36,18 +37,50 @@ fn the_example_with_every_key() {
             focus_distance: 4.0,
         },
         environment: Environment::Constant(Vec3::new(0.7, 0.8, 1.0)),
+        air: None,
         materials: vec![
             Material { color: Vec3::ONE, smoothness: 1.0, refractive_index: Some(1.5), ..material("glass") },
             material("matt white"),
             Material { principled: Some(lacquer().into()), ..material("lacquer") },
         ],
         shapes: example_shapes(),
-        entries: example_shapes().iter().map(|shape| entry(shape.entry, shape.material)).collect(),
-        lights: vec![],
+        entries: example_shapes().iter().map(entry).collect(),
+        lights: example_lights().iter().map(LightEntry::light).collect(),
+        light_entries: example_lights(),
         warnings: vec![],
     };
     assert_eq!(Scene::parse(EXAMPLE, "scene.toml").unwrap(), expected);
     check_invariants(&expected);
+}
+
+/// Media in the air, in bodies without a surface, and behind smooth and rough ones.
+#[test]
+fn media() {
+    let scene = parse(
+        "[air]\nabsorption = 0.5\n
+         [materials.fog]\nmedium = { scattering = [1, 2, 3], anisotropy = -0.25 }\npriority = -1\n
+         [materials.milk]\nrefractive_index = 1.33\n[materials.milk.medium]\nscattering = 2\nabsorption = [0, 0.5, 1]\n
+         [materials.wax]\nprincipled = { transmission = 1 }\nmedium = {}\n
+         [materials.clay]\n",
+    );
+    let medium = |absorption, scattering, anisotropy| Some(Medium { absorption, scattering, anisotropy });
+    assert_eq!(scene.air, medium(Vec3::splat(0.5), Vec3::ZERO, 0.0));
+    let media: Vec<_> = scene.materials.iter().map(|material| material.medium).collect();
+    let fog = medium(Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0), -0.25);
+    let milk = medium(Vec3::new(0.0, 0.5, 1.0), Vec3::splat(2.0), 0.0);
+    assert_eq!(media, [fog, milk, Some(Medium::default()), None]);
+    let properties = |of: fn(&Material) -> bool| scene.materials.iter().map(of).collect::<Vec<_>>();
+    assert_eq!(properties(Material::is_seamless), [true, false, false, false]);
+    assert_eq!(properties(Material::is_dielectric), [true, true, true, false]);
+    assert_eq!(scene.warnings.len(), 1, "{:?}", scene.warnings);
+    let endless = parse("[environment]\ncolor = [1, 1, 1]\n[air]\nabsorption = [0.1, 0.2, 0.3]\n");
+    assert_eq!(
+        endless.warnings,
+        [
+            "scene.toml:8:1: [air] has no end, so no light of [environment] comes through it: for fog under a sky, give a \
+          large body a material with a `medium` instead"
+        ]
+    );
 }
 
 fn lacquer() -> Principled {
@@ -85,20 +118,137 @@ fn lacquer() -> Principled {
     }
 }
 
-fn entry(place: usize, material: usize) -> Entry {
-    Entry { shapes: place..place + 1, material: Some(material), placement: None }
+fn example_lights() -> Vec<LightEntry> {
+    let direction = Vec3::new(0.0, -0.6, -0.8);
+    let position = Vec3::new(1.0, 2.0, 3.0);
+    let point = LightPlace::Point { position: Vec3::new(0.0, 3.0, 0.0) };
+    let spot = LightPlace::Spot { position, direction, inner_degrees: 10.0, outer_degrees: 20.0 };
+    let sun = LightPlace::Directional { direction, angle_degrees: 0.5 };
+    let color = Vec3::new(1.0, 0.9, 0.8);
+    let light = |place, intensity| LightEntry { place, color, intensity };
+    vec![light(point, 4.0), light(spot, 5.0), light(sun, 3.0)]
+}
+
+/// Shapes stand where their transforms take them, one inside the other.
+#[test]
+fn transforms_and_groups() {
+    let scene = parse(
+        "[materials.a]\n[materials.b]\n\
+         [[groups.pair]]\nmaterial = \"a\"\nsphere = { center = [1, 0, 0], radius = 0.5 }\n\
+         [[groups.pair]]\nmaterial = \"b\"\nbox = { center = [0, 1, 0], size = [1, 2, 3] }\n\
+         transform = { rotation_degrees = [0, 0, 90] }\n\
+         [[groups.nest]]\ngroup = \"pair\"\ntransform = { translation = [0, 0, 1], scale = 2 }\n\
+         [[shapes]]\ngroup = \"nest\"\ntransform = { rotation_degrees = [0, 90, 0] }\n\
+         [[shapes]]\ngroup = \"pair\"\nmaterial = \"b\"\n\
+         [[shapes]]\nmaterial = \"a\"\ncone = { base = [0, 0, 0], top = [0, 1, 0], radius = 1 }\n\
+         transform = { translation = [5, 0, 0], rotation_degrees = [90, 0, 0], scale = 3 }\n\
+         [environment]\ncolor = [1, 1, 1]\n",
+    );
+    assert_eq!(scene.warnings, [""; 0]);
+    let keys: Vec<_> = scene.entries.iter().map(|entry| (entry.key(), entry.shapes.clone(), entry.material)).collect();
+    assert_eq!(keys, [("group", 0..2, None), ("group", 2..4, Some(1)), ("cone", 4..5, Some(0))]);
+    let materials: Vec<_> = scene.shapes.iter().map(|shape| (shape.entry, shape.material)).collect();
+    assert_eq!(materials, [(0, 0), (0, 1), (1, 1), (1, 1), (2, 0)]);
+    let near = |a: Vec3, b: [f32; 3]| assert!(a.abs_diff_eq(b.into(), 1e-5), "{a} is not {b:?}");
+    let Geometry::Sphere { center, radius } = scene.shapes[0].geometry else { panic!("a sphere") };
+    // (1, 0, 0) is doubled and moved to (2, 0, 1), and a quarter of a turn about y takes x to -z and z to x.
+    near(center, [1.0, 0.0, -2.0]);
+    assert_eq!(radius, 1.0);
+    let Geometry::Box { center, size, rotation_degrees } = scene.shapes[1].geometry else { panic!("a box") };
+    near(center, [1.0, 0.0, 2.0]);
+    near(size, [2.0, 4.0, 6.0]);
+    let turned = raggio_scene::rotation(rotation_degrees) * raggio_scene::DVec3::X;
+    near(turned.as_vec3(), [0.0, 1.0, 0.0]);
+    let Geometry::Box { center, .. } = scene.shapes[3].geometry else { panic!("a box") };
+    near(center, [-1.0, 0.0, 0.0]);
+    let Geometry::Cone { base, top, radius, .. } = scene.shapes[4].geometry else { panic!("a cone") };
+    near(base, [5.0, 0.0, 0.0]);
+    near(top, [5.0, 0.0, 3.0]);
+    assert_eq!(radius, 3.0);
+    // What the file says is kept beside it.
+    let own = Geometry::Cone { base: Vec3::ZERO, top: Vec3::Y, radius: 1.0, top_radius: 0.0, capped: true };
+    assert_eq!(scene.entries[2].geometry(), Some(&own));
+    assert_eq!(scene.entries[2].transform.scale, Vec3::splat(3.0));
+}
+
+/// A colour is the same in each of the ways to write it, wherever it stands.
+#[test]
+fn colors() {
+    let orange = [1.0, 0.246_201_33, 0.0f32];
+    for text in ["[1, 0.24620133, 0]", "\"#ff8800\"", "\"#F80\"", "{ srgb = [1, 0.5333333333, 0] }"] {
+        let scene = parse(&format!(
+            "[environment]\nhorizon = {text}\nzenith = {text}\n[[lights]]\npoint = {{ position = [0, 0, 0], color = {text} }}\n\
+             [materials.plain]\ncolor = {text}\nemission_color = {text}\n[materials.rich.principled]\nbase_color = {text}\n\
+             emissive = {text}\nsheen_color = {text}\nspecular_color = {text}\nattenuation_color = {text}\n\
+             diffuse_transmission_color = {text}\nbase_color_texture = {{ checker = [{text}, \"#000\"] }}\n"
+        ));
+        let is_orange =
+            |color: [f32; 3]| assert!(Vec3::from(color).abs_diff_eq(orange.into(), 1e-6), "{text}: {color:?}");
+        let Environment::Gradient { horizon, zenith } = scene.environment else { panic!("a gradient") };
+        let plain = &scene.materials[0];
+        let rich = scene.materials[1].principled.as_ref().unwrap();
+        for color in [horizon, zenith, scene.light_entries[0].color, plain.color, plain.emission_color] {
+            is_orange(color.to_array());
+        }
+        for color in [rich.base_color, rich.emissive, rich.sheen_color, rich.specular_color, rich.attenuation_color] {
+            is_orange(color);
+        }
+        is_orange(rich.diffuse_transmission_color);
+        let checker = &rich.base_color_texture.as_ref().unwrap().image.texels;
+        let Texels::Rgb32F(texels) = checker else { panic!("colours are numbers") };
+        is_orange(texels[0]);
+    }
+}
+
+/// What a light has without its optional keys, and what becomes of its numbers.
+#[test]
+fn lights() {
+    let scene = parse(
+        "[[lights]]\npoint = { position = [0, 1, 2] }\n[[lights]]\nspot = { position = [0, 1, 2], direction = [0, 0, -3] }\n\
+         [[lights]]\ndirectional = { direction = [0, -2, 0], color = [1, 0.5, 0], intensity = 4 }\n\
+         [[lights]]\ndirectional = { direction = [0, -2, 0], angle_degrees = 90 }\n",
+    );
+    let kinds = scene.lights.iter().map(|light| light.kind);
+    let expected = [
+        LightKind::Point,
+        LightKind::Spot { inner: 0.0, outer: std::f32::consts::FRAC_PI_4 },
+        LightKind::Directional,
+        LightKind::Sun { half_angle: std::f32::consts::FRAC_PI_4 },
+    ];
+    assert_eq!(kinds.collect::<Vec<_>>(), expected);
+    assert_eq!(scene.lights[0].intensity, [1.0; 3]);
+    assert_eq!(scene.lights[0].position.to_array(), [0.0, 1.0, 2.0]);
+    assert_eq!(scene.lights[1].direction.to_array(), [0.0, 0.0, -1.0]);
+    assert_eq!((scene.lights[2].intensity, scene.lights[2].direction.to_array()), ([4.0, 2.0, 0.0], [0.0, -1.0, 0.0]));
+    // A scene with a light is not dark, and one with a black light is.
+    assert_eq!(scene.warnings, [""; 0]);
+    let scene = parse("[[lights]]\npoint = { position = [0, 1, 2], intensity = 0 }\n");
+    assert!(
+        scene.warnings[0].ends_with(":7:1: `point` of light 1 gives no light: its `intensity` or its `color` is 0")
+    );
+    assert!(scene.warnings[1].contains("nothing in the scene shines"));
+}
+
+fn entry(shape: &Shape) -> Entry {
+    let contents = Contents::Geometry(shape.geometry.clone());
+    let (material, transform) = (Some(shape.material), Transform::IDENTITY);
+    Entry { shapes: shape.entry..shape.entry + 1, material, contents, transform }
 }
 
 fn example_shapes() -> Vec<Shape> {
     let sphere = Geometry::Sphere { center: Vec3::Y, radius: 1.0 };
     let plane = Geometry::Plane { point: Vec3::ZERO, normal: Vec3::Y };
     let rectangle = Geometry::Rectangle { corner: Vec3::ZERO, edge_u: Vec3::X, edge_v: Vec3::Z };
+    let disk = Geometry::Disk { center: Vec3::Y, normal: Vec3::Z, radius: 1.0 };
+    let cylinder = Geometry::Cylinder { base: Vec3::Y, top: 3.0 * Vec3::Y, radius: 0.5, capped: false };
+    let top = Vec3::new(2.0, 1.0, 0.0);
+    let cone = Geometry::Cone { base: Vec3::Y, top, radius: 0.5, top_radius: 0.25, capped: true };
     let cuboid = Geometry::Box {
         center: Vec3::new(1.0, 2.0, 3.0),
         size: Vec3::new(1.0, 2.0, 3.0),
         rotation_degrees: Vec3::new(10.0, 20.0, 30.0),
     };
-    let shapes = [(0, sphere), (1, plane), (1, rectangle), (1, cuboid)];
+    let shapes = [(0, sphere), (1, plane), (1, rectangle), (1, disk), (1, cylinder), (1, cone), (1, cuboid)];
     let shapes = shapes.into_iter().enumerate();
     shapes.map(|(entry, (material, geometry))| Shape { entry, material, geometry }).collect()
 }

@@ -81,6 +81,8 @@ fn short(value: &Value) -> String {
 fn kind(schema: &Value, value: &Value) -> String {
     if let Some(name) = value["$ref"].as_str().and_then(|path| path.strip_prefix("#/$defs/")) {
         return match (name, heading(name)) {
+            ("Color", _) => "[colour](#colours), 0 to 1".to_string(),
+            ("Radiance", _) => "[colour](#colours), 0 to 1e9".to_string(),
             (_, Some(heading)) => format!("[table]({heading})"),
             _ => kind(schema, &schema["$defs"][name]),
         };
@@ -136,6 +138,8 @@ fn heading(table: &str) -> Option<String> {
     match table {
         "Material" => Some("#materialsname".to_string()),
         "Shape" => Some("#shapes".to_string()),
+        "Transform" => Some("#transform".to_string()),
+        "Light" => Some("#lights".to_string()),
         "Keyframe" => Some("#camerakeyframes".to_string()),
         "TextureTable" => Some("#textures".to_string()),
         _ if ["[", ""].iter().any(|bracket| page().contains(&format!("## `{bracket}{word}"))) => {

@@ -55,7 +55,8 @@ fn it_accepts_what_the_reader_accepts() {
     }
     let changed = EXAMPLE
         .replace("\"fresnel\"", "0.5")
-        .replace("color = [0.7, 0.8, 1.0]", "horizon = [1, 1, 1]\nzenith = [0, 0, 1]");
+        .replace("color = [0.7, 0.8, 1.0]", "horizon = \"#fff\"\nzenith = { srgb = [0, 0, 1] }")
+        .replace("base_color = [0.8, 0.1, 0.1]", "base_color = \"#Ff8800\"");
     validator.validate(&json_of(&changed)).unwrap();
     let keyframes = "[camera]\ninterpolation = \"linear\"\nkeyframes = [{ time = 1, position = [0, 1, 3] }, \
                      { time = 2, look_at = [0, 1, 0], vertical_fov_degrees = 20, aperture_radius = 0, focus_distance = 1 }]";
@@ -140,6 +141,11 @@ const WRONG: &[(&str, &str)] = &[
     ("color = [0.7, 0.8, 1.0]", "horizon = [1, 1, 1]"),
     ("color = [0.7, 0.8, 1.0]", "color = [1, 1, 1]\nhorizon = [1, 1, 1]"),
     ("color = [1, 1, 1]\nemission", "color = [1, 1, 2]\nemission"),
+    ("color = [1, 1, 1]\nemission", "color = \"red\"\nemission"),
+    ("color = [1, 1, 1]\nemission", "color = \"#ff880\"\nemission"),
+    ("color = [1, 1, 1]\nemission", "color = { srgb = [255, 0, 0] }\nemission"),
+    ("color = [1, 1, 1]\nemission", "color = { rgb = [1, 0, 0] }\nemission"),
+    ("color = [1, 1, 1]\nemission", "color = [1, 0]\nemission"),
     ("emission_strength = 0", "emission_strength = -1"),
     ("smoothness = 1", "smoothness = 2"),
     ("refractive_index = 1.5", "refractive_index = 0"),
@@ -149,7 +155,17 @@ const WRONG: &[(&str, &str)] = &[
     ("radius = 1", "radius = 0"),
     ("sphere = { center = [0, 1, 0], radius = 1 }", ""),
     ("size = [1, 2, 3]", "size = [1, 0, 3]"),
+    ("capped = false", "capped = 0"),
+    ("top_radius = 0.25", "top_radius = -0.25"),
+    ("top = [0, 3, 0], ", ""),
     ("[[shapes]]\nmaterial = \"glass\"", "[[shapes]]"),
+    ("point = { position = [0, 3, 0], ", "point = { "),
+    ("point = {", "spot = { position = [0, 0, 0], direction = [0, 0, 1] }\npoint = {"),
+    ("[[lights]]\npoint = { position = [0, 3, 0], color = [1, 0.9, 0.8], intensity = 4 }", "[[lights]]"),
+    ("outer_degrees = 20", "outer_degrees = 91"),
+    ("angle_degrees = 0.5", "angle_degrees = 0.005"),
+    ("angle_degrees = 0.5", "angle_degrees = 181"),
+    ("intensity = 3", "intensity = -1"),
     ("ior = 1.4", "ior = 0.5"),
     ("metallic = 0.25", "metallic = 1.25"),
     ("alpha_mode = \"mask\"", "alpha_mode = \"cut\""),
@@ -189,12 +205,13 @@ fn every_key_is_in_it_with_a_description() {
             keys.push(key.clone());
         }
     }
-    let words = "version render camera environment materials shapes width height samples max_depth \
+    let words = "version render camera environment lights materials shapes point spot directional direction inner_degrees \
+                 outer_degrees angle_degrees width height samples max_depth \
                  seed filter surface_offset position look_at up vertical_fov_degrees \
                  orthographic_height panorama intrinsics focal principal_point skew \
                  aperture_radius focus_distance color horizon zenith image rotation_degrees \
                  intensity emission_color emission_strength smoothness refractive_index reflection \
-                 priority material sphere plane rectangle box mesh center radius point normal \
+                 priority material sphere plane rectangle disk cylinder cone base top top_radius capped box mesh center radius point normal \
                  corner edge_u edge_v size file translation scale time principled base_color \
                  base_color_texture alpha alpha_mode alpha_cutoff metallic roughness \
                  metallic_roughness_texture ior specular specular_texture specular_color \
@@ -244,6 +261,13 @@ fn its_defaults_are_those_of_the_reader() {
     lines("[render]", defaults("Render", &[]));
     lines(&format!("[camera]\n{camera}"), defaults("Camera", &["interpolation"]));
     lines("[environment]\nimage = \"pixel.hdr\"", defaults("Environment", &[]));
+    for (kind, table, required) in [
+        ("point", "Point", "position = [0, 1, 0]"),
+        ("spot", "Spot", "position = [0, 1, 0], direction = [0, -1, 0]"),
+        ("directional", "Directional", "direction = [0, -1, 0]"),
+    ] {
+        inline(&format!("[[lights]]\n{kind} = {{ {required}"), defaults(table, &[]));
+    }
     lines("[materials.a]", defaults("Material", &[]));
     lines("[materials.a.principled]", defaults("Principled", &[]));
     lines("[materials.a.principled]\nalpha_mode = \"mask\"", defaults("Principled", &["alpha_mode"]));
@@ -252,6 +276,10 @@ fn its_defaults_are_those_of_the_reader() {
         "[materials.a]\n[[shapes]]\nmaterial = \"a\"\nbox = { center = [0, 0, 0], size = [1, 2, 3]",
         defaults("Box", &[]),
     );
+    for (kind, table) in [("cylinder", "Cylinder"), ("cone", "Cone")] {
+        let shape = format!("{kind} = {{ base = [0, 0, 0], top = [0, 1, 0], radius = 1");
+        inline(&format!("[materials.a]\n[[shapes]]\nmaterial = \"a\"\n{shape}"), defaults(table, &[]));
+    }
     inline("[materials.a]\n[[shapes]]\nmaterial = \"a\"\nmesh = { file = \"triangle.ply\"", defaults("Mesh", &[]));
 }
 
@@ -270,7 +298,7 @@ fn principled_keys_have_defaults() {
 fn shipped_scenes_name_it() {
     let validator = jsonschema::validator_for(&schema()).unwrap();
     let mut count = 0;
-    for folder in ["scenes", "scenes/notes", "scenes/reference"] {
+    for folder in ["scenes", "scenes/guide", "scenes/notes", "scenes/reference"] {
         for entry in std::fs::read_dir(project_file(folder)).unwrap() {
             let path = entry.unwrap().path();
             if path.extension().is_none_or(|extension| extension != "toml") {

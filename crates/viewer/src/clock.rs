@@ -12,6 +12,13 @@ const FLUENT: f64 = 1.0 / 38.0;
 /// Part of a frame's time that is planned for: what comes a moment too late is shown a whole frame too late.
 const PUNCTUAL: f64 = 0.85;
 
+/// Part of it that is planned for where the alternative is a picture of fewer pixels.
+const PROMPT: f64 = 0.97;
+
+/// Part of it that one sample of each pixel is worth there, though the frame comes late then: with fewer pixels it would be
+/// early, for nothing is denoised, and the next would have all of them again.
+const WHOLE: f64 = 0.75;
+
 /// Purpose of frames at the moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
@@ -19,6 +26,8 @@ pub enum Pace {
     Display,
     /// Frames still follow hands, but take longer where a device needs the time to show more than mush.
     Fluent,
+    /// Frames follow hands, and each is worth all of its time: with a sample less it would be of another size.
+    Whole,
     /// Nobody moves anything: where frames are costly, as with a display drawn in software, fewer of them leave more
     /// time for samples.
     Alone,
@@ -38,12 +47,23 @@ pub struct Clock {
     excess: f64,
     /// Beginning of the last frame that showed something new, or of the section if there was none since.
     shown: Instant,
-    /// Times from one frame that showed something new to the next, in milliseconds, in the section under way.
-    frames: Option<Vec<f64>>,
+    /// End of the first frame that showed a picture.
+    first: Option<Instant>,
+    /// Frames that showed something new, in the section under way.
+    frames: Option<Vec<Frame>>,
     section: String,
     /// Section that the next frame is the first of, if another one begins or none.
     next_section: Option<Option<String>>,
-    sections: BTreeMap<String, Vec<f64>>,
+    sections: BTreeMap<String, Vec<Frame>>,
+}
+
+/// A frame that showed something new.
+#[derive(Clone, Copy)]
+struct Frame {
+    /// Time since the one before, in milliseconds.
+    milliseconds: f64,
+    /// Samples of each pixel of the picture, counted at its full size.
+    samples: f64,
 }
 
 /// Statistics of the frames in one section of a script that showed something new.
@@ -59,6 +79,8 @@ pub struct Pacing {
     pub percentile_99: f64,
     /// The longest time, in milliseconds.
     pub longest: f64,
+    /// Median of the samples of each pixel, counted at the picture's full size: below 1 where films were smaller.
+    pub samples: f64,
 }
 
 impl Clock {
@@ -72,6 +94,7 @@ impl Clock {
             sampled: 0.0,
             excess: 0.0,
             shown: Instant::now(),
+            first: None,
             frames: None,
             section: String::new(),
             next_section: None,
@@ -99,12 +122,18 @@ impl Clock {
     /// Seconds of this frame that samples may take.
     pub fn budget(&self, pace: Pace) -> f64 {
         let interval = self.interval.as_secs_f64();
-        let left = |interval: f64| (PUNCTUAL * interval - self.overhead - self.excess).max(0.25 * interval);
+        let left = |interval: f64, part: f64| (part * interval - self.overhead - self.excess).max(0.25 * interval);
         match pace {
-            Pace::Display => left(interval),
-            Pace::Fluent => left(interval.max(FLUENT)),
-            Pace::Alone => left(interval).max((3.0 * self.overhead).min(SLOWEST)),
+            Pace::Display => left(interval, PUNCTUAL),
+            Pace::Fluent => left(interval.max(FLUENT), PUNCTUAL),
+            Pace::Whole => left(interval, PROMPT),
+            Pace::Alone => left(interval, PUNCTUAL).max((3.0 * self.overhead).min(SLOWEST)),
         }
+    }
+
+    /// Seconds that the first sample of each pixel may take in a frame that is given `budget` seconds.
+    pub fn patience(&self, pace: Pace, budget: f64) -> f64 {
+        if pace == Pace::Whole { budget.max(WHOLE * self.interval.as_secs_f64()) } else { budget }
     }
 
     /// Notes that so many seconds of this frame went into samples, which were given `budget` seconds.
@@ -113,11 +142,12 @@ impl Clock {
         self.excess += 0.2 * ((seconds - budget).max(0.0) - self.excess);
     }
 
-    /// Notes that this frame shows something new.
-    pub fn show(&mut self) {
+    /// Notes that this frame shows something new, of so many samples of each pixel.
+    pub fn show(&mut self, samples: f64) {
+        self.first.get_or_insert_with(Instant::now);
         let since = self.began - std::mem::replace(&mut self.shown, self.began);
         if let Some(frames) = &mut self.frames {
-            frames.push(1000.0 * since.as_secs_f64());
+            frames.push(Frame { milliseconds: 1000.0 * since.as_secs_f64(), samples });
         }
     }
 
@@ -135,6 +165,11 @@ impl Clock {
                 self.shown = self.began;
             }
         }
+    }
+
+    /// Moment at which there was a picture for the first time.
+    pub fn first_picture(&self) -> Option<Instant> {
+        self.first
     }
 
     /// Frames per second, smoothed.
@@ -161,17 +196,21 @@ impl Clock {
     }
 }
 
-fn pacing(section: &str, frames: &[f64]) -> Pacing {
-    let mut sorted = frames.to_vec();
-    sorted.sort_by(f64::total_cmp);
+fn pacing(section: &str, frames: &[Frame]) -> Pacing {
     // The smallest value that so many of 100 do not exceed.
-    let percentile = |p: usize| sorted[(sorted.len() * p).div_ceil(100).max(1) - 1];
+    let percentile = |p: usize, of: &dyn Fn(&Frame) -> f64| {
+        let mut sorted: Vec<_> = frames.iter().map(of).collect();
+        sorted.sort_by(f64::total_cmp);
+        sorted[(sorted.len() * p).div_ceil(100).max(1) - 1]
+    };
+    let time = |frame: &Frame| frame.milliseconds;
     Pacing {
         section: section.to_owned(),
-        frames: sorted.len(),
-        median: percentile(50),
-        percentile_99: percentile(99),
-        longest: percentile(100),
+        frames: frames.len(),
+        median: percentile(50, &time),
+        percentile_99: percentile(99, &time),
+        longest: percentile(100, &time),
+        samples: percentile(50, &|frame| frame.samples),
     }
 }
 
@@ -181,10 +220,12 @@ mod tests {
 
     #[test]
     fn percentiles_are_of_the_frames_measured() {
-        let frames: Vec<f64> = (1..=200).rev().map(f64::from).collect();
+        let frame = |milliseconds| Frame { milliseconds, samples: 2.0 * milliseconds };
+        let frames: Vec<_> = (1..=200).rev().map(f64::from).map(frame).collect();
         let found = pacing("moving", &frames);
         assert_eq!((found.frames, found.median, found.percentile_99, found.longest), (200, 100.0, 198.0, 200.0));
-        assert_eq!(pacing("one", &[7.0]).percentile_99, 7.0);
+        assert_eq!(found.samples, 200.0);
+        assert_eq!(pacing("one", &[frame(7.0)]).percentile_99, 7.0);
     }
 
     #[test]
@@ -195,7 +236,7 @@ mod tests {
             clock.begin();
             section.into_iter().for_each(|section| clock.enter(section.map(String::from)));
             if new {
-                clock.show();
+                clock.show(1.0);
             }
             clock.end(Duration::ZERO);
         };
@@ -217,6 +258,8 @@ mod tests {
     fn samples_never_get_less_than_a_quarter_of_a_frame() {
         let mut clock = Clock::new(0.016);
         assert!(clock.budget(Pace::Display) < 0.016 && clock.budget(Pace::Fluent) > 0.016);
+        assert_eq!([Pace::Whole, Pace::Display].map(|pace| clock.patience(pace, 0.004)), [0.012, 0.004]);
+        assert!(clock.budget(Pace::Whole) > clock.budget(Pace::Display) && clock.budget(Pace::Whole) < 0.016);
         clock.overhead = 1.0;
         assert_eq!(clock.budget(Pace::Display), 0.004);
         assert_eq!(clock.budget(Pace::Alone), SLOWEST);

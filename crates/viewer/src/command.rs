@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use raggio_render::{Comparison, ToneMapper, View};
-use raggio_scene::{Camera, Environment, Geometry, Material, Placement, RenderSettings};
+use raggio_scene::{Camera, Environment, Geometry, LightEntry, Material, Medium, Placement, RenderSettings, Transform};
 
+use crate::denoising::InMotion;
 use crate::look::Look;
 use crate::navigation::Preset;
 
@@ -41,6 +42,8 @@ pub enum Command {
     Tones(ToneMapper),
     /// Shows the picture without its noise, or as it is.
     Denoise(bool),
+    /// Chooses whether it does so while the camera moves.
+    DenoiseInMotion(InMotion),
     /// Chooses how the picture is compared with the reference.
     Compare(Comparison),
     /// Compares with the picture in this file, or with none.
@@ -98,10 +101,22 @@ pub enum Edit {
     Shape(usize, Geometry, usize),
     /// A model's placement, and its material unless that is its own.
     Model(usize, Placement, Option<usize>),
+    /// The material of all shapes of a group, or `None` for their own.
+    Group(usize, Option<usize>),
+    /// The transform of a shape or of a group.
+    Transform(usize, Transform),
     /// A new shape, of this material if the scene has it.
     Add(Geometry, usize),
+    /// A light of the file, by its place there.
+    Light(usize, LightEntry),
+    /// A new light.
+    AddLight(LightEntry),
+    /// A light of the file, by its place there, that is to be no more.
+    RemoveLight(usize),
     /// The sky.
     Environment(Environment),
+    /// Change of the medium that fills the scene, or with `None` its end.
+    Air(Option<Medium>),
     /// The camera that the scene's file names.
     Camera(Camera),
     /// The settings of the picture: size, depth and the like.

@@ -13,9 +13,23 @@ use crate::report::Report;
 use crate::stage::{Files, Opener, Stage};
 
 /// Plays the script of `options` to its end.
-pub fn run(options: &Options, files: Files) -> Result<Report, ViewError> {
-    let instance = Instance::new(options.open.validate)?;
-    let opener = Opener::new(options, instance.clone());
+pub fn run(options: &Options) -> Result<Report, ViewError> {
+    // Drivers take about as long for a device as files do for a scene.
+    let (files, opened) = std::thread::scope(|scope| {
+        let open = || -> Result<_, ViewError> {
+            let instance = Instance::new(options.open.validate)?;
+            let mut opener = Opener::new(options, instance.clone());
+            opener.open_ahead();
+            Ok((instance, opener))
+        };
+        let opening = scope.spawn(open);
+        let read = || {
+            let mut files = Files::read(options)?;
+            files.translate(options.size).map(|()| files)
+        };
+        (read(), opening.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    });
+    let (files, (instance, opener)) = (files?, opened?);
     let mut size = options.size;
     let mut scale = options.scale.unwrap_or(1.0);
     let mut stage = Stage::new(options, files, opener, None, size, Arc::new(|| ()))?;
@@ -32,7 +46,7 @@ pub fn run(options: &Options, files: Files) -> Result<Report, ViewError> {
         }
         stage.screen.canvas().resize_to(size)?;
         if outcome.quit {
-            return Ok(Report::of(&mut stage.viewer, instance.validation_messages()));
+            return Ok(Report::of(&mut stage.viewer, options.start, instance.validation_messages()));
         }
     }
 }

@@ -23,10 +23,11 @@ pub struct KernelWatch {
 }
 
 impl KernelWatch {
-    /// Watches the kernels of a folder. `wake` is called after each change and each compilation; each time call
-    /// [`poll`](Self::poll).
-    pub fn new(folder: &Path, wake: impl Fn() + Send + Clone + 'static) -> Result<Self, ViewError> {
-        Self::with_compiler(folder, wake, |folder| compile::spirv(folder).map_err(|error| brief(&error.to_string())))
+    /// Watches the kernels of a folder, those that ask hardware too if `queries` says that they are needed. `wake` is called
+    /// after each change and each compilation; each time call [`poll`](Self::poll).
+    pub fn new(folder: &Path, queries: bool, wake: impl Fn() + Send + Clone + 'static) -> Result<Self, ViewError> {
+        let compile = move |folder: &Path| compile::spirv(folder, queries).map_err(|error| brief(&error.to_string()));
+        Self::with_compiler(folder, wake, compile)
     }
 
     /// Watches so with another compiler.

@@ -42,6 +42,5 @@ pub use report::Report;
 /// # Errors
 /// A [`ViewError`] when the window cannot open, scene or script are wrong, or the window has to close.
 pub fn view(options: &Options) -> Result<Report, ViewError> {
-    let files = stage::Files::read(options)?;
-    if options.hidden { hidden::run(options, files) } else { window::run(options, files) }
+    if options.hidden { hidden::run(options) } else { window::run(options, stage::Files::read(options)?) }
 }

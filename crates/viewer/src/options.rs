@@ -1,6 +1,7 @@
 //! Options of the viewer.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use raggio_render::{DeviceChoice, OpenOptions, OutputFile};
 use raggio_scene::AssetOptions;
@@ -26,6 +27,8 @@ pub struct Options {
     pub watch_kernels: Option<PathBuf>,
     /// Whether there is no window: the script is played on a canvas that nobody sees.
     pub hidden: bool,
+    /// Moment at which the program began, from which the time to the first picture counts.
+    pub start: Instant,
     /// Files that are written when the viewer is over; no scene is shown that is made of one of them.
     pub outputs: Vec<OutputFile>,
 }

@@ -1,6 +1,9 @@
 //! Report of the viewer, when it is over.
 
+use std::time::Instant;
+
 use crate::clock::Pacing;
+use crate::denoising::Denoising;
 use crate::viewer::Viewer;
 
 /// Report of the viewer after its end.
@@ -8,6 +11,10 @@ use crate::viewer::Viewer;
 pub struct Report {
     /// Name of the device that traced.
     pub device: String,
+    /// Name of the denoiser and of what it worked on, where there was one at the end.
+    pub denoiser: Option<String>,
+    /// Seconds from the start of the program to the first picture, if there was one.
+    pub first_picture_seconds: Option<f64>,
     /// Statistics of the frames of each section of the script that showed something new.
     pub pacing: Vec<Pacing>,
     /// Messages of what failed in the end, in the words the user saw.
@@ -18,10 +25,12 @@ pub struct Report {
 
 impl Report {
     /// Report of what `viewer` did.
-    pub(crate) fn of(viewer: &mut Viewer, validation_messages: Vec<String>) -> Self {
+    pub(crate) fn of(viewer: &mut Viewer, start: Instant, validation_messages: Vec<String>) -> Self {
         viewer.clock.close_section();
         Self {
             device: viewer.tracer.device().name(),
+            denoiser: viewer.denoising.as_ref().map(Denoising::describe),
+            first_picture_seconds: viewer.clock.first_picture().map(|first| (first - start).as_secs_f64()),
             pacing: viewer.clock.pacing(),
             failures: viewer.notices.failures(),
             validation_messages,

@@ -111,7 +111,7 @@ impl Screen {
         let news = pixels.is_some();
         let shown = self.canvas.show(pixels, in_pixels(area, scale), overlay)?;
         if news && shown.visible {
-            viewer.clock.show();
+            viewer.clock.show(viewer.tracer.samples_of_full_size());
         }
         viewer.clock.end(shown.waited);
 

@@ -16,6 +16,7 @@ use crate::error::ViewError;
 use crate::options::Options;
 use crate::play::{Player, WindowStep};
 use crate::screen::{SMALLEST, Screen};
+use crate::tracer::{Tracer, Translated};
 use crate::viewer::Viewer;
 use crate::wake::Wake;
 
@@ -36,6 +37,8 @@ pub struct Stage {
 pub struct Files {
     document: Document,
     player: Option<Player>,
+    /// Scene that was translated before there was a device for it.
+    translated: Option<Translated>,
 }
 
 impl Files {
@@ -44,7 +47,14 @@ impl Files {
         let player = options.play.as_deref().map(Player::load).transpose()?;
         let document = Document::open_with(&options.scene, options.assets.clone())?;
         document.check_apart(&options.outputs)?;
-        Ok(Self { document, player })
+        Ok(Self { document, player, translated: None })
+    }
+
+    /// Translates the scene for a picture of `size` pixels.
+    pub fn translate(&mut self, size: [u32; 2]) -> Result<(), ViewError> {
+        let size = size.map(|side| side.max(SMALLEST));
+        self.translated = Some(Translated::new(self.document.scene(), size)?);
+        Ok(())
     }
 }
 
@@ -53,6 +63,14 @@ pub struct Opener {
     choice: DeviceChoice,
     options: OpenOptions,
     instance: Arc<Instance>,
+    /// Device that was opened before somebody has asked for it.
+    ahead: Option<Opened>,
+}
+
+/// Device that was opened, or the reason why not, and what is to be said of it.
+struct Opened {
+    device: Result<Box<dyn Device>, ViewError>,
+    warnings: Vec<String>,
 }
 
 /// Requests of a frame to the window.
@@ -71,10 +89,21 @@ impl Opener {
     pub fn new(options: &Options, instance: Arc<Instance>) -> Self {
         let choice = options.device;
         let options = OpenOptions { instance: Some(instance.clone()), ..options.open.clone() };
-        Self { choice, options, instance }
+        Self { choice, options, instance, ahead: None }
     }
 
-    fn open(&self, warn: impl Fn(&str)) -> Result<Box<dyn Device>, ViewError> {
+    /// Opens the device for who asks for it next.
+    pub fn open_ahead(&mut self) {
+        let warnings = RefCell::new(vec![]);
+        let device = self.open(|warning| warnings.borrow_mut().push(warning.to_owned()));
+        self.ahead = Some(Opened { device, warnings: warnings.into_inner() });
+    }
+
+    fn open(&mut self, warn: impl Fn(&str)) -> Result<Box<dyn Device>, ViewError> {
+        if let Some(Opened { device, warnings }) = self.ahead.take() {
+            warnings.iter().for_each(|warning| warn(warning));
+            return device;
+        }
         Ok(raggio_render::open(self.choice, self.options.clone(), warn)?)
     }
 
@@ -113,17 +142,20 @@ impl Stage {
     pub fn new(
         options: &Options,
         files: Files,
-        opener: Opener,
+        mut opener: Opener,
         surface: Option<Surface>,
         size: [u32; 2],
         wake: Wake,
     ) -> Result<Self, ViewError> {
-        let Files { document, player } = files;
+        let Files { document, player, translated } = files;
         let warnings = RefCell::new(vec![]);
         let device = opener.open(|warning| warnings.borrow_mut().push(warning.to_owned()))?;
         let size = size.map(|side| side.max(SMALLEST));
         let canvas = canvas(&opener, &*device, surface, size)?;
-        let mut viewer = Viewer::new(document, device, size, wake)?;
+        let mut viewer = match translated {
+            Some(translated) => Viewer::with_tracer(document, Tracer::with_translated(device, translated)?, wake),
+            None => Viewer::new(document, device, size, wake)?,
+        };
         if player.is_some() {
             viewer.tracer.set_impatient();
         }

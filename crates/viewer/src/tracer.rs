@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use raggio_render::{
-    Device, DeviceError, DeviceScene, Display, Feature, Features, Film, FilmPixel, Image, Pixels, Probe, Progress,
-    Renderer, View,
+    Care, Denoised, Denoiser, Device, DeviceError, DeviceScene, Display, Feature, Features, Film, FilmPixel, Image,
+    Pixels, Probe, Progress, Renderer, View,
 };
 use raggio_scene::{Camera, Scene, Vec3};
 
@@ -17,6 +17,8 @@ const REST: Duration = Duration::from_millis(120);
 const COARSEST: u32 = 32;
 /// Most rays along one path where even the coarsest film takes longer than a frame.
 const SHORT_PATH: u32 = 3;
+/// Part of a frame's time in which a finer film has to be done for its sake to change the resolution.
+const SPARE: f64 = 0.85;
 /// Seconds that a frame may take to show another view: its first surfaces are quick to find, and the film of radiance
 /// is worth more than a coarser film for the view would be.
 const GLANCE: f64 = 1.0;
@@ -82,14 +84,34 @@ pub struct Pick {
     pub material: usize,
 }
 
-impl Tracer {
-    /// Loads `scene` for a picture of `full` pixels.
-    pub fn new(device: Box<dyn Device>, scene: &Scene, full: [u32; 2]) -> Result<Self, ViewError> {
+/// A scene as devices read it, for which none of them is needed.
+pub struct Translated {
+    scene: Scene,
+    device_scene: DeviceScene,
+}
+
+impl Translated {
+    /// Translates `scene` for a picture of `full` pixels.
+    pub fn new(scene: &Scene, full: [u32; 2]) -> Result<Self, ViewError> {
         // The background is left out of files alone.
         let mut scene = scene.clone();
         scene.render.alpha = false;
         [scene.render.width, scene.render.height] = full;
         let device_scene = DeviceScene::new(&scene)?;
+        Ok(Self { scene, device_scene })
+    }
+}
+
+impl Tracer {
+    /// Loads `scene` for a picture of `full` pixels.
+    pub fn new(device: Box<dyn Device>, scene: &Scene, full: [u32; 2]) -> Result<Self, ViewError> {
+        Self::with_translated(device, Translated::new(scene, full)?)
+    }
+
+    /// Loads what has been translated.
+    pub fn with_translated(device: Box<dyn Device>, translated: Translated) -> Result<Self, ViewError> {
+        let Translated { scene, device_scene } = translated;
+        let full = [scene.render.width, scene.render.height];
         device.compile_ahead(&device_scene, &[Feature::Radiance]);
         let mut session = device.load(&device_scene)?;
         session.accept_general();
@@ -238,7 +260,8 @@ impl Tracer {
 
     /// Spends about `seconds` on samples. A film that is new gets a whole sample, whatever time that takes: each change
     /// is to be seen before the next one. Frames go on without samples while a driver compiles kernels.
-    pub fn trace(&mut self, seconds: f64) -> Result<(), ViewError> {
+    /// Films are of as fine a resolution as `patience`, in seconds and no less, allows for their first sample.
+    pub fn trace(&mut self, seconds: f64, patience: f64) -> Result<(), ViewError> {
         let start = Instant::now();
         let session = self.renderer.session();
         self.awaits_kernels = self.is_patient && !session.is_prepared();
@@ -247,8 +270,8 @@ impl Tracer {
             std::thread::sleep(Duration::from_secs_f64(seconds).min(MOMENT));
             return Ok(());
         }
-        if self.settle(seconds)? {
-            self.add_one_sample(|tracer| tracer.catch_up(seconds))?;
+        if self.settle(patience)? {
+            self.add_one_sample(|tracer| tracer.catch_up(patience))?;
         } else if self.awaited {
             self.add_one_sample(|tracer| tracer.glance(seconds.max(GLANCE)))?;
             self.awaited = self.renderer.progress().samples == 0;
@@ -267,9 +290,11 @@ impl Tracer {
         let changed = std::mem::take(&mut self.begun);
         if changed {
             let needed = self.needed_divisor(seconds);
-            // A little too coarse stays: changing the resolution back and forth would flicker. So would the light that
-            // long paths bring, which may take four times as long.
-            let divisor = if needed.saturating_add(1) == self.divisor { self.divisor } else { needed };
+            // A little too coarse stays, unless there is time to spare: changing the resolution back and forth would
+            // flicker. So would the light that long paths bring, which may take four times as long.
+            let is_spare = self.needed_divisor(SPARE * seconds) <= needed;
+            let stays = needed.saturating_add(1) == self.divisor && !is_spare;
+            let divisor = if stays { self.divisor } else { needed };
             let bearable = if self.shortened { COARSEST / 2 } else { COARSEST };
             self.change_quality(divisor, needed > bearable)?;
         } else if !self.is_moving() && self.renderer.progress().samples > 0 {
@@ -337,6 +362,11 @@ impl Tracer {
         self.fresh = false;
         self.shown = Some(display);
         Ok(Some((pixels, self.film_size())))
+    }
+
+    /// The picture without its noise, where `denoiser` works on the tracer's device.
+    pub fn denoise(&mut self, denoiser: &Denoiser, care: Care, display: Display) -> Result<Denoised, ViewError> {
+        Ok(self.renderer.session().denoise(denoiser, care, display)?)
     }
 
     /// Makes [`Tracer::display`] return the picture once more, even if it has not changed.
@@ -455,6 +485,12 @@ impl Tracer {
         self.renderer.progress()
     }
 
+    /// Samples of each pixel of the picture, counted at its full size.
+    pub fn samples_of_full_size(&self) -> f64 {
+        let pixels = |[width, height]: [u32; 2]| f64::from(width) * f64::from(height);
+        f64::from(self.progress().samples) * pixels(self.film_size()) / pixels(self.full)
+    }
+
     /// Whether nothing is left to do.
     pub fn finished(&self) -> bool {
         self.renderer.finished() && self.divisor == 1
@@ -473,6 +509,11 @@ impl Tracer {
     /// Whether the film has full resolution, and the camera is at rest.
     pub fn settled(&self) -> bool {
         self.divisor == 1 && !self.is_moving()
+    }
+
+    /// Whether the film has full resolution.
+    pub fn has_full_size(&self) -> bool {
+        self.divisor == 1
     }
 
     /// Whether the camera has moved a moment ago.

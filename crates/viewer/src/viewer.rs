@@ -12,7 +12,7 @@ use raggio_scene::{Camera, Scene, Vec3};
 
 use crate::clock::Clock;
 use crate::command::{Command, Navigate};
-use crate::denoising::Denoising;
+use crate::denoising::{Denoising, InMotion};
 use crate::document::Document;
 use crate::error::ViewError;
 use crate::export::Export;
@@ -65,6 +65,8 @@ pub struct Viewer {
 pub struct Settings {
     /// Display of the film.
     pub look: Look,
+    /// Whether pictures lose their noise while the camera moves, if they do at rest.
+    pub denoise_in_motion: InMotion,
     /// Whether no samples are added.
     pub paused: bool,
     /// Samples per pixel at which to stop.
@@ -106,8 +108,13 @@ pub struct Reading {
 impl Viewer {
     /// Shows `document` in a picture of `size` pixels.
     pub fn new(document: Document, device: Box<dyn Device>, size: [u32; 2], wake: Wake) -> Result<Self, ViewError> {
+        let tracer = Tracer::new(device, document.scene(), size)?;
+        Ok(Self::with_tracer(document, tracer, wake))
+    }
+
+    /// Shows `document`, whose scene `tracer` has.
+    pub fn with_tracer(document: Document, tracer: Tracer, wake: Wake) -> Self {
         let scene = document.scene();
-        let tracer = Tracer::new(device, scene, size)?;
         let mut viewer = Self {
             pilot: Pilot::new(scene),
             tracer,
@@ -115,6 +122,7 @@ impl Viewer {
             notices: Notices::default(),
             settings: Settings {
                 look: Look::default(),
+                denoise_in_motion: InMotion::Auto,
                 paused: false,
                 limit: None,
                 samples_per_frame: None,
@@ -144,7 +152,7 @@ impl Viewer {
         viewer.watch_scene();
         viewer.notices.done("F1 shows what mouse and keys do");
         viewer.notices.warn_of_scene(&viewer.document.scene().warnings);
-        Ok(viewer)
+        viewer
     }
 
     /// The scene, as it is in the document.
@@ -241,10 +249,8 @@ impl Viewer {
             Command::Exposure(exposure) => return self.show(Look { exposure, ..self.settings.look }),
             Command::Tones(tone_mapper) => return self.show(Look { tone_mapper, ..self.settings.look }),
             Command::Compare(comparison) => return self.show(Look { comparison, ..self.settings.look }),
-            Command::Denoise(on) => {
-                self.denoising = if on { Some(Denoising::begin(self.wake.clone())?) } else { None };
-                self.tracer.show_again();
-            }
+            Command::Denoise(on) => return self.set_denoising(on),
+            Command::DenoiseInMotion(way) => self.settings.denoise_in_motion = way,
             Command::Reference(path) => return self.compare_with(path),
             Command::Pause => self.settings.paused = !self.settings.paused,
             Command::Restart => return self.tracer.restart(),

@@ -97,7 +97,8 @@ impl ApplicationHandler for App<'_> {
         }
         match event {
             WindowEvent::CloseRequested if shown.may_close() => {
-                let report = Report::of(&mut shown.stage.viewer, self.instance.validation_messages());
+                let report =
+                    Report::of(&mut shown.stage.viewer, self.options.start, self.instance.validation_messages());
                 self.close(event_loop, Ok(report));
             }
             WindowEvent::Resized(PhysicalSize { width, height }) => {
@@ -110,7 +111,8 @@ impl ApplicationHandler for App<'_> {
             WindowEvent::Moved(_) | WindowEvent::ScaleFactorChanged { .. } => shown.follow_monitor(),
             WindowEvent::RedrawRequested => match shown.draw() {
                 Ok(None) => {
-                    let report = Report::of(&mut shown.stage.viewer, self.instance.validation_messages());
+                    let report =
+                        Report::of(&mut shown.stage.viewer, self.options.start, self.instance.validation_messages());
                     self.close(event_loop, Ok(report));
                 }
                 Ok(Some(next)) => self.due = next.map(|delay| Instant::now() + delay),

@@ -6,6 +6,8 @@ use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 
 use crate::device::Device;
 use crate::error::{During, VulkanError};
+#[cfg(target_os = "linux")]
+use crate::exported;
 
 /// Memory that a buffer lives in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,6 +18,8 @@ pub enum Location {
     Upload,
     /// Memory that the device copies to and the host reads.
     Readback,
+    /// The device's memory, for structures that hardware traces rays by.
+    Structure,
 }
 
 /// A run of bytes that kernels and copies can use.
@@ -25,6 +29,9 @@ pub struct Buffer {
     what: String,
     addressed: bool,
     allocation: Option<Allocation>,
+    /// Memory of the buffer's own, and its bytes, where another interface can be handed it.
+    #[cfg(target_os = "linux")]
+    exported: Option<(vk::DeviceMemory, u64)>,
     pub(crate) device: Arc<Device>,
 }
 
@@ -33,7 +40,8 @@ impl Buffer {
     /// larger than the device takes is an error.
     pub fn new(device: &Arc<Device>, what: &str, size: u64, location: Location) -> Result<Self, VulkanError> {
         // A buffer that cannot be reached by address is reached by a descriptor.
-        let addressed = location == Location::Device && device.physical.addresses;
+        let on_device = matches!(location, Location::Device | Location::Structure);
+        let addressed = on_device && device.physical.addresses;
         let limit = match location {
             Location::Device if !addressed => device.max_binding_bytes(),
             _ => device.physical.max_buffer_size,
@@ -41,20 +49,15 @@ impl Buffer {
         if size > limit {
             return Err(device.too_large(what, size, limit));
         }
-        let mut usage = vk::BufferUsageFlags::STORAGE_BUFFER
-            | vk::BufferUsageFlags::UNIFORM_BUFFER
-            | vk::BufferUsageFlags::TRANSFER_SRC
-            | vk::BufferUsageFlags::TRANSFER_DST;
-        if addressed {
-            usage |= vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS;
-        }
-        // An empty binding is not allowed: the smallest buffer has 16 bytes.
-        let info = vk::BufferCreateInfo::default().size(size.max(16)).usage(usage);
-        device.attempt("vkCreateBuffer")?;
-        // SAFETY: the device is alive; `raw` is destroyed below or in `Drop`.
-        let raw = unsafe { device.raw.create_buffer(&info, None) }.during("vkCreateBuffer")?;
-        // From here on `Drop` cleans up.
-        let mut buffer = Self { raw, size, what: what.into(), addressed, allocation: None, device: device.clone() };
+        let traced = if location == Location::Structure {
+            vk::BufferUsageFlags::ACCELERATION_STRUCTURE_STORAGE_KHR
+        } else if addressed && device.has_ray_queries() {
+            vk::BufferUsageFlags::ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_KHR
+        } else {
+            vk::BufferUsageFlags::empty()
+        };
+        let mut buffer = Self::create(device, what, size, addressed, vk::BufferCreateInfo::default().usage(traced))?;
+        let raw = buffer.raw;
 
         // SAFETY: `raw` was just created from this device.
         let requirements = unsafe { device.raw.get_buffer_memory_requirements(raw) };
@@ -65,7 +68,7 @@ impl Buffer {
                 name: what,
                 requirements,
                 location: match location {
-                    Location::Device => MemoryLocation::GpuOnly,
+                    Location::Device | Location::Structure => MemoryLocation::GpuOnly,
                     Location::Upload => MemoryLocation::CpuToGpu,
                     Location::Readback => MemoryLocation::GpuToCpu,
                 },
@@ -79,6 +82,72 @@ impl Buffer {
         unsafe { device.raw.bind_buffer_memory(raw, allocation.memory(), allocation.offset()) }
             .during("vkBindBufferMemory")?;
         Ok(buffer)
+    }
+
+    /// Makes a buffer of the device's memory as [`Buffer::new`] does, which other interfaces to the same device can be
+    /// [handed](Self::handle).
+    ///
+    /// # Panics
+    /// If the device does not [export memory](Device::exports_memory).
+    #[cfg(target_os = "linux")]
+    pub fn shared(device: &Arc<Device>, what: &str, size: u64) -> Result<Self, VulkanError> {
+        assert!(device.exports_memory(), "the device exports memory");
+        let limit = device.max_binding_bytes();
+        if size > limit {
+            return Err(device.too_large(what, size, limit));
+        }
+        device.check_room(what, size)?;
+        let mut external = vk::ExternalMemoryBufferCreateInfo::default().handle_types(exported::HANDLE);
+        let info = vk::BufferCreateInfo::default().push_next(&mut external);
+        let mut buffer = Self::create(device, what, size, device.physical.addresses, info)?;
+        let (memory, bytes) = exported::allocate(device, buffer.raw, what, false)?;
+        buffer.exported = Some((memory, bytes));
+        device.attempt("vkBindBufferMemory")?;
+        // SAFETY: the memory was allocated for this buffer and is bound once.
+        unsafe { device.raw.bind_buffer_memory(buffer.raw, memory, 0) }.during("vkBindBufferMemory")?;
+        Ok(buffer)
+    }
+
+    /// Handle by which another interface gets at the memory of a [shared](Self::shared) buffer, of which it owns a share, and
+    /// the memory's bytes; `None` of any other buffer.
+    #[cfg(target_os = "linux")]
+    pub fn handle(&self) -> Result<Option<(std::os::fd::OwnedFd, u64)>, VulkanError> {
+        let Some((memory, bytes)) = self.exported else { return Ok(None) };
+        Ok(Some((exported::handle(&self.device, memory)?, bytes)))
+    }
+
+    /// Makes a buffer without memory; `info` says what else there is to say.
+    fn create(
+        device: &Arc<Device>,
+        what: &str,
+        size: u64,
+        addressed: bool,
+        info: vk::BufferCreateInfo<'_>,
+    ) -> Result<Self, VulkanError> {
+        let mut usage = info.usage
+            | vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::UNIFORM_BUFFER
+            | vk::BufferUsageFlags::TRANSFER_SRC
+            | vk::BufferUsageFlags::TRANSFER_DST;
+        if addressed {
+            usage |= vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS;
+        }
+        // An empty binding is not allowed: the smallest buffer has 16 bytes.
+        let info = info.size(size.max(16)).usage(usage);
+        device.attempt("vkCreateBuffer")?;
+        // SAFETY: the device is alive, and so is all that `info` points to; `raw` is destroyed in `Drop`.
+        let raw = unsafe { device.raw.create_buffer(&info, None) }.during("vkCreateBuffer")?;
+        let (what, device) = (what.into(), device.clone());
+        Ok(Self {
+            raw,
+            size,
+            what,
+            addressed,
+            allocation: None,
+            #[cfg(target_os = "linux")]
+            exported: None,
+            device,
+        })
     }
 
     /// Number of bytes asked for.
@@ -120,6 +189,11 @@ impl Drop for Buffer {
         if let Some(allocation) = self.allocation.take() {
             // Freeing fails only for allocations of another allocator.
             let _ = self.device.allocator().free(allocation);
+        }
+        #[cfg(target_os = "linux")]
+        if let Some((memory, _)) = self.exported {
+            // SAFETY: as above; whoever has the handle has a share of its own.
+            unsafe { self.device.raw.free_memory(memory, None) };
         }
     }
 }

@@ -7,14 +7,40 @@ use crate::buffer::Buffer;
 use crate::cache::PipelineCache;
 use crate::device::Device;
 use crate::error::{During, VulkanError};
+use crate::structure::Structure;
 
-/// Kind of descriptors in a descriptor set.
+/// Descriptors in a descriptor set.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum SetLayout {
+pub struct SetLayout {
+    /// Way to the set's lists.
+    pub lists: Lists,
+    /// Binding of a structure that hardware traces rays by, if there is one.
+    pub structure: Option<u32>,
+}
+
+/// Way in which a descriptor set refers to lists.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Lists {
     /// Storage buffers at these bindings.
     Buffers(Vec<u32>),
     /// Uniform buffer at binding 0 with the addresses of buffers, one behind the other.
     Addresses,
+}
+
+impl Lists {
+    fn bindings(&self) -> &[u32] {
+        match self {
+            Self::Buffers(bindings) => bindings,
+            Self::Addresses => &[0],
+        }
+    }
+
+    fn descriptors(&self) -> vk::DescriptorType {
+        match self {
+            Self::Buffers(_) => vk::DescriptorType::STORAGE_BUFFER,
+            Self::Addresses => vk::DescriptorType::UNIFORM_BUFFER,
+        }
+    }
 }
 
 /// A SPIR-V module with the layout that its entry points share: descriptor sets, one push block.
@@ -38,8 +64,9 @@ pub struct BindingSet {
     pub(crate) index: u32,
     pool: vk::DescriptorPool,
     pub(crate) module: Arc<Module>,
-    // The buffers are kept alive for as long as the set refers to them.
+    // What the set refers to is kept alive.
     _buffers: Vec<Arc<Buffer>>,
+    _structure: Option<Arc<Structure>>,
 }
 
 impl Module {
@@ -67,18 +94,16 @@ impl Module {
             device.attempt("vkCreateShaderModule")?;
             module.shader = device.raw.create_shader_module(&info, None).during("vkCreateShaderModule")?;
             for set in sets {
-                let (bindings, kind) = match set {
-                    SetLayout::Buffers(bindings) => (&bindings[..], vk::DescriptorType::STORAGE_BUFFER),
-                    SetLayout::Addresses => (&[0][..], vk::DescriptorType::UNIFORM_BUFFER),
-                };
-                let slot = |&binding: &u32| {
+                let slot = |(binding, kind)| {
                     vk::DescriptorSetLayoutBinding::default()
                         .binding(binding)
                         .descriptor_type(kind)
                         .descriptor_count(1)
                         .stage_flags(vk::ShaderStageFlags::COMPUTE)
                 };
-                let slots: Vec<_> = bindings.iter().map(slot).collect();
+                let lists = set.lists.bindings().iter().map(|&binding| (binding, set.lists.descriptors()));
+                let structure = set.structure.map(|binding| (binding, vk::DescriptorType::ACCELERATION_STRUCTURE_KHR));
+                let slots: Vec<_> = lists.chain(structure).map(slot).collect();
                 let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&slots);
                 device.attempt("vkCreateDescriptorSetLayout")?;
                 let layout =
@@ -144,11 +169,21 @@ impl Module {
     }
 
     /// Makes a set for descriptor set `index` that refers to `buffers`, by binding number, or by address in their
-    /// order.
-    pub fn bind(self: &Arc<Self>, index: u32, buffers: &[(u32, Arc<Buffer>)]) -> Result<BindingSet, VulkanError> {
-        if self.sets[index as usize].0 != SetLayout::Addresses {
+    /// order, and to `structure`.
+    ///
+    /// # Panics
+    /// If the set has a structure and there is none, or the other way round.
+    pub fn bind(
+        self: &Arc<Self>,
+        index: u32,
+        buffers: &[(u32, Arc<Buffer>)],
+        structure: Option<&Arc<Structure>>,
+    ) -> Result<BindingSet, VulkanError> {
+        let layout = &self.sets[index as usize].0;
+        assert_eq!(layout.structure.is_some(), structure.is_some(), "a structure is there if the kernels ask for it");
+        if layout.lists != Lists::Addresses {
             buffers.iter().try_for_each(|(_, buffer)| buffer.check_bindable())?;
-            return self.descriptors(index, vk::DescriptorType::STORAGE_BUFFER, buffers, &[]);
+            return self.descriptors(index, buffers, &[], structure);
         }
         let addresses: Option<Vec<u64>> = buffers.iter().map(|(_, buffer)| buffer.address()).collect();
         let addresses = addresses.ok_or_else(|| VulkanError::Unfit {
@@ -156,39 +191,49 @@ impl Module {
             missing: "bufferDeviceAddress".into(),
         })?;
         let table = Buffer::with_bytes(&self.device, "addresses", bytemuck::cast_slice(&addresses))?;
-        self.descriptors(index, vk::DescriptorType::UNIFORM_BUFFER, &[(0, Arc::new(table))], buffers)
+        self.descriptors(index, &[(0, Arc::new(table))], buffers, structure)
     }
 
-    /// Makes a set of descriptors of one kind; it keeps the buffers `reached` through them alive.
+    /// Makes a set of descriptors; it keeps the buffers `reached` through them alive.
     fn descriptors(
         self: &Arc<Self>,
         index: u32,
-        kind: vk::DescriptorType,
         buffers: &[(u32, Arc<Buffer>)],
         reached: &[(u32, Arc<Buffer>)],
+        structure: Option<&Arc<Structure>>,
     ) -> Result<BindingSet, VulkanError> {
         let device = &self.device.raw;
-        let layouts = [self.sets[index as usize].1];
-        let sizes = [vk::DescriptorPoolSize::default().ty(kind).descriptor_count(buffers.len().max(1) as u32)];
-        let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
+        let (layout, raw_layout) = &self.sets[index as usize];
+        let kind = layout.lists.descriptors();
+        let of_lists = vk::DescriptorPoolSize::default().ty(kind).descriptor_count(buffers.len().max(1) as u32);
+        let of_structures =
+            vk::DescriptorPoolSize::default().ty(vk::DescriptorType::ACCELERATION_STRUCTURE_KHR).descriptor_count(1);
+        let sizes = [of_lists, of_structures];
+        let sizes = &sizes[..if structure.is_some() { 2 } else { 1 }];
+        let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(sizes);
         self.device.attempt("vkCreateDescriptorPool")?;
         // SAFETY: the structures live until the calls return; the pool is destroyed by the set, which is made before
         // anything can fail again.
         let mut set = unsafe {
             let pool = device.create_descriptor_pool(&info, None).during("vkCreateDescriptorPool")?;
             let kept = buffers.iter().chain(reached).map(|(_, buffer)| buffer.clone()).collect();
-            BindingSet { raw: vk::DescriptorSet::null(), index, pool, module: self.clone(), _buffers: kept }
+            let (module, structure) = (self.clone(), structure.cloned());
+            BindingSet { raw: vk::DescriptorSet::null(), index, pool, module, _buffers: kept, _structure: structure }
         };
+        let layouts = [*raw_layout];
         let allocate = vk::DescriptorSetAllocateInfo::default().descriptor_pool(set.pool).set_layouts(&layouts);
         let infos: Vec<_> = buffers
             .iter()
             .map(|(_, buffer)| [vk::DescriptorBufferInfo::default().buffer(buffer.raw).range(vk::WHOLE_SIZE)])
             .collect();
+        let structures: Vec<_> = structure.iter().map(|structure| structure.raw).collect();
+        let mut of_structures =
+            vk::WriteDescriptorSetAccelerationStructureKHR::default().acceleration_structures(&structures);
         self.device.attempt("vkAllocateDescriptorSets")?;
-        // SAFETY: the pool has room for this one set; the buffers live as long as the set does.
+        // SAFETY: the pool has room for this one set; buffers and structure live as long as the set does.
         unsafe {
             set.raw = device.allocate_descriptor_sets(&allocate).during("vkAllocateDescriptorSets")?[0];
-            let writes: Vec<_> = buffers
+            let mut writes: Vec<_> = buffers
                 .iter()
                 .zip(&infos)
                 .map(|((binding, _), info)| {
@@ -199,6 +244,15 @@ impl Module {
                         .buffer_info(info)
                 })
                 .collect();
+            if let (Some(binding), Some(_)) = (layout.structure, structure) {
+                let write = vk::WriteDescriptorSet::default()
+                    .dst_set(set.raw)
+                    .dst_binding(binding)
+                    .descriptor_type(vk::DescriptorType::ACCELERATION_STRUCTURE_KHR)
+                    .descriptor_count(1)
+                    .push_next(&mut of_structures);
+                writes.push(write);
+            }
             device.update_descriptor_sets(&writes, &[]);
         }
         Ok(set)

@@ -4,11 +4,18 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use ash::{khr, vk};
+use gpu_allocator::AllocationSizes;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
 use crate::error::{During, VulkanError};
 use crate::faults::Faults;
 use crate::instance::PhysicalDevice;
+use crate::structure;
+
+/// Bytes of the device's memory that are taken at once, to be given out in parts.
+const DEVICE_BLOCK_BYTES: u64 = 256 << 20;
+/// Bytes of the host's memory that are taken so: drivers take long over it.
+const HOST_BLOCK_BYTES: u64 = 32 << 20;
 
 /// A device in use, with one compute queue.
 pub struct Device {
@@ -19,8 +26,12 @@ pub struct Device {
     pub(crate) faults: Arc<Faults>,
     /// Whether memory can be handed to other interfaces.
     exports: bool,
+    /// Functions of structures, where kernels may ask hardware for rays.
+    pub(crate) structures: Option<khr::acceleration_structure::Device>,
     /// Limit on the bytes that a descriptor refers to, set by [`Device::pretend_small_bindings`].
     most_binding_bytes: AtomicU64,
+    /// Limit on the bytes that are free, set by [`Device::pretend_small_memory`].
+    most_free_bytes: AtomicU64,
     // Only one submission runs at a time: the lock is held while it is recorded and waited for.
     pub(crate) queue: Mutex<Queue>,
 }
@@ -35,19 +46,28 @@ pub(crate) struct Queue {
 impl Device {
     /// Opens `physical`; fails if it lacks what the kernels need.
     pub fn new(physical: &PhysicalDevice) -> Result<Arc<Self>, VulkanError> {
-        Self::open(physical, Arc::default())
+        Self::open(physical, false, Arc::default())
+    }
+
+    /// Opens `physical` for kernels that ask hardware for rays; fails if it lacks what they need.
+    pub fn with_ray_queries(physical: &PhysicalDevice) -> Result<Arc<Self>, VulkanError> {
+        Self::open(physical, true, Arc::default())
     }
 
     /// Opens the device once more: one that was lost stays so.
     pub fn reopen(&self) -> Result<Arc<Self>, VulkanError> {
         self.faults.reopen()?;
-        Self::open(&self.physical, self.faults.clone())
+        Self::open(&self.physical, self.has_ray_queries(), self.faults.clone())
     }
 
-    fn open(physical: &PhysicalDevice, faults: Arc<Faults>) -> Result<Arc<Self>, VulkanError> {
+    fn open(physical: &PhysicalDevice, queries: bool, faults: Arc<Faults>) -> Result<Arc<Self>, VulkanError> {
         let instance = physical.instance();
+        let unfit = |missing| Err(VulkanError::Unfit { name: physical.name.clone(), missing });
         if !physical.missing.is_empty() {
-            return Err(VulkanError::Unfit { name: physical.name.clone(), missing: physical.missing.join(", ") });
+            return unfit(physical.missing.join(", "));
+        }
+        if queries && !physical.has_ray_queries() {
+            return unfit("VK_KHR_ray_query".into());
         }
         let priorities = [1.0];
         let queues = [vk::DeviceQueueCreateInfo::default()
@@ -67,11 +87,19 @@ impl Device {
         }
         let exports = offered(khr::external_memory_fd::NAME);
         extensions.push(khr::external_memory_fd::NAME);
+        if queries {
+            extensions.extend(structure::EXTENSIONS);
+        }
         let extensions: Vec<_> = extensions.into_iter().filter(|name| offered(name)).map(CStr::as_ptr).collect();
-        let info = vk::DeviceCreateInfo::default()
+        let mut structures = vk::PhysicalDeviceAccelerationStructureFeaturesKHR::default().acceleration_structure(true);
+        let mut ray_queries = vk::PhysicalDeviceRayQueryFeaturesKHR::default().ray_query(true);
+        let mut info = vk::DeviceCreateInfo::default()
             .queue_create_infos(&queues)
             .enabled_extension_names(&extensions)
             .push_next(&mut vulkan12);
+        if queries {
+            info = info.push_next(&mut structures).push_next(&mut ray_queries);
+        }
         // SAFETY: all that `info` points to lives until the call returns; its features and queue were found above.
         let raw = unsafe { instance.raw.create_device(physical.handle, &info, None) }.during("vkCreateDevice")?;
 
@@ -82,19 +110,21 @@ impl Device {
                 physical_device: physical.handle,
                 debug_settings: Default::default(),
                 buffer_device_address: physical.addresses,
-                allocation_sizes: Default::default(),
+                allocation_sizes: AllocationSizes::new(DEVICE_BLOCK_BYTES, HOST_BLOCK_BYTES),
             })
             .map_err(|e| VulkanError::OutOfMemory(e.to_string()))?;
             Ok((allocator, Queue::new(&raw, physical.queue_family)?))
         };
         match equip() {
             Ok((allocator, queue)) => Ok(Arc::new(Self {
+                structures: queries.then(|| khr::acceleration_structure::Device::new(&instance.raw, &raw)),
                 raw,
                 physical: physical.clone(),
                 allocator: ManuallyDrop::new(Arc::new(Mutex::new(allocator))),
                 faults,
                 exports,
                 most_binding_bytes: AtomicU64::new(u64::MAX),
+                most_free_bytes: AtomicU64::new(u64::MAX),
                 queue: Mutex::new(queue),
             })),
             Err(error) => {
@@ -127,10 +157,15 @@ impl Device {
         self.physical.addresses
     }
 
+    /// Whether kernels can ask hardware for what a ray meets.
+    pub fn has_ray_queries(&self) -> bool {
+        self.structures.is_some()
+    }
+
     /// Fails, with both numbers in the error, if `what`, which takes `needed` bytes, does not fit the memory that is
     /// free.
     pub fn check_room(&self, what: &str, needed: u64) -> Result<(), VulkanError> {
-        let free = self.physical.free_bytes();
+        let free = self.physical.free_bytes().min(self.most_free_bytes.load(Ordering::Relaxed));
         if needed <= free {
             return Ok(());
         }
@@ -150,6 +185,12 @@ impl Device {
     /// be tried out on others.
     pub fn pretend_small_bindings(&self, bytes: u64) {
         self.most_binding_bytes.store(bytes, Ordering::Relaxed);
+    }
+
+    /// Makes no more than `bytes` of memory count as free from now on: how devices with little memory fare can be tried out on
+    /// others.
+    pub fn pretend_small_memory(&self, bytes: u64) {
+        self.most_free_bytes.store(bytes, Ordering::Relaxed);
     }
 
     /// Allocator for a library that allocates by itself; to be given back before the device goes.

@@ -56,6 +56,18 @@ pub enum VulkanError {
         /// Most bytes that the device takes.
         limit: u64,
     },
+    /// A structure that hardware is to trace rays by has more parts than the device takes.
+    #[error("{what} has {parts} parts, and {name} traces {limit} by hardware")]
+    TooManyParts {
+        /// Name of the structure.
+        what: String,
+        /// Name of the device.
+        name: String,
+        /// Number of parts.
+        parts: u64,
+        /// Most parts that the device takes.
+        limit: u64,
+    },
     /// An image has more pixels on a side than the device can draw.
     #[error("{name} can draw {limit} pixels on a side, and a picture of {width}x{height} is larger")]
     ImageTooLarge {

@@ -8,6 +8,7 @@ use raw_window_handle::RawDisplayHandle;
 
 use crate::cache::Compiler;
 use crate::error::{During, VulkanError};
+use crate::structure::StructureLimits;
 
 /// Number of storage buffers that a kernel may bind at once on any device that counts as fit.
 pub const STORAGE_BUFFERS: u32 = 32;
@@ -59,10 +60,14 @@ pub struct PhysicalDevice {
     pub kind: DeviceKind,
     /// UUID of the device, which other interfaces have too.
     pub uuid: [u8; 16],
+    /// LUID of the device, which Windows has.
+    pub luid: Option<[u8; 8]>,
     /// Bytes of the device's own memory.
     pub memory_bytes: u64,
     /// Whether kernels can reach buffers by address, and so more of them than `max_storage_buffer_range`.
     pub(crate) addresses: bool,
+    /// Limits of structures that hardware traces rays by; `None` where kernels cannot ask for rays.
+    pub(crate) structures: Option<StructureLimits>,
     /// Whether the device can draw panels, not only compute.
     pub draws: bool,
     /// Features that are needed and the device lacks; it is usable if there is none.
@@ -80,6 +85,11 @@ impl PhysicalDevice {
     /// Device and driver, as far as what the driver compiles depends on them.
     pub fn compiler(&self) -> Compiler {
         self.compiler
+    }
+
+    /// Whether kernels can ask hardware for what a ray meets: `VK_KHR_ray_query`.
+    pub fn has_ray_queries(&self) -> bool {
+        self.structures.is_some()
     }
 
     /// What the device lacks to run the kernels; it can if there is nothing.
@@ -240,8 +250,10 @@ impl Instance {
                 _ => DeviceKind::Other,
             },
             uuid: identity.device_uuid,
+            luid: (identity.device_luid_valid == vk::TRUE).then_some(identity.device_luid),
             memory_bytes: own_heaps(&memory).map(|(_, heap)| heap.size).sum(),
             addresses: vulkan12.buffer_device_address == vk::TRUE,
+            structures: StructureLimits::of(&self.raw, handle).filter(|_| vulkan12.buffer_device_address == vk::TRUE),
             draws: drawing.is_some(),
             missing,
             outdated: outdated(&driver),

@@ -19,6 +19,8 @@ const PATIENCE: Duration = Duration::from_secs(600);
 enum Kind {
     Compute,
     Transfer,
+    /// Builds and copies of structures that hardware traces rays by.
+    Build,
     #[cfg(feature = "window")]
     Draw,
 }
@@ -28,6 +30,7 @@ impl Kind {
         match self {
             Self::Compute => vk::PipelineStageFlags::COMPUTE_SHADER,
             Self::Transfer => vk::PipelineStageFlags::TRANSFER,
+            Self::Build => vk::PipelineStageFlags::ACCELERATION_STRUCTURE_BUILD_KHR,
             #[cfg(feature = "window")]
             Self::Draw => vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT,
         }
@@ -37,6 +40,7 @@ impl Kind {
         match self {
             Self::Compute => vk::AccessFlags::SHADER_READ,
             Self::Transfer => vk::AccessFlags::TRANSFER_READ,
+            Self::Build => vk::AccessFlags::ACCELERATION_STRUCTURE_READ_KHR | vk::AccessFlags::SHADER_READ,
             #[cfg(feature = "window")]
             Self::Draw => vk::AccessFlags::COLOR_ATTACHMENT_READ,
         }
@@ -46,6 +50,7 @@ impl Kind {
         match self {
             Self::Compute => vk::AccessFlags::SHADER_WRITE,
             Self::Transfer => vk::AccessFlags::TRANSFER_WRITE,
+            Self::Build => vk::AccessFlags::ACCELERATION_STRUCTURE_WRITE_KHR,
             #[cfg(feature = "window")]
             Self::Draw => vk::AccessFlags::COLOR_ATTACHMENT_WRITE,
         }
@@ -189,15 +194,25 @@ impl<'a> Passes<'a> {
         unsafe { self.device.cmd_fill_buffer(self.commands, buffer.raw, 0, vk::WHOLE_SIZE, 0) };
     }
 
+    /// Records builds or copies of structures by `record`, which is given the command buffer.
+    pub(crate) fn build(&mut self, record: impl FnOnce(vk::CommandBuffer)) {
+        self.begin(Kind::Build);
+        record(self.commands);
+    }
+
     fn begin(&mut self, kind: Kind) {
         if let Some(last) = self.last.replace(kind) {
             self.barrier(last, kind.stage(), kind.reads() | kind.writes());
         }
     }
 
-    /// Makes the results visible to the host.
+    /// Makes the results visible to the host; structures, which only kernels and builds read, to those of later submissions.
     fn finish(&mut self) {
-        if let Some(last) = self.last {
+        let Some(last) = self.last else { return };
+        if last == Kind::Build {
+            let stages = vk::PipelineStageFlags::COMPUTE_SHADER | Kind::Build.stage();
+            self.barrier(last, stages, vk::AccessFlags::ACCELERATION_STRUCTURE_READ_KHR);
+        } else {
             self.barrier(last, vk::PipelineStageFlags::HOST, vk::AccessFlags::HOST_READ);
         }
     }

@@ -7,8 +7,10 @@ use crate::error::VulkanError;
 
 /// Most bytes that are on their way at once.
 const STAGING_BYTES: usize = 64 << 20;
+/// Most bytes on their way to the host at once: whoever reads a little should not wait for much memory.
+const READING_BYTES: u64 = 32 << 20;
 /// Most bytes on their way at once where memory is short.
-const SMALL_STAGING_BYTES: usize = 1 << 20;
+const SMALL_STAGING_BYTES: u64 = 1 << 20;
 
 impl Buffer {
     /// Makes a device buffer that holds `bytes`. `what` names it in errors.
@@ -60,21 +62,36 @@ impl Buffer {
     /// # Panics
     /// If there are not as many.
     pub fn read_into(&self, first: u64, to: &mut [u8]) -> Result<(), VulkanError> {
-        match self.read_in_parts(first, to, STAGING_BYTES) {
+        self.read_by(first..first + to.len() as u64, |place, bytes| to[place..][..bytes.len()].copy_from_slice(bytes))
+    }
+
+    /// Has `take` read a range of the buffer's bytes where the device has copied them to, part by part from the first on: it is
+    /// given the place of each part in the range. A part may come again.
+    ///
+    /// # Panics
+    /// If the range reaches past the end.
+    pub fn read_by(&self, range: Range<u64>, mut take: impl FnMut(usize, &[u8])) -> Result<(), VulkanError> {
+        match self.read_in_parts(&range, &mut take, READING_BYTES) {
             // What has been computed is worth a second try that takes less memory.
-            Err(VulkanError::OutOfMemory(_)) => self.read_in_parts(first, to, SMALL_STAGING_BYTES),
+            Err(VulkanError::OutOfMemory(_)) => self.read_in_parts(&range, &mut take, SMALL_STAGING_BYTES),
             read => read,
         }
     }
 
-    /// Reads as [`Buffer::read_into`] does, `part` bytes at a time.
-    fn read_in_parts(&self, mut first: u64, to: &mut [u8], part: usize) -> Result<(), VulkanError> {
-        let staging = Self::new(&self.device, "staging for a read", to.len().min(part) as u64, Location::Readback)?;
-        for to in to.chunks_mut(part) {
-            let end = first + to.len() as u64;
-            self.device.run(|passes| passes.copy_range(self, first..end, &staging, 0))?;
-            to.copy_from_slice(&staging.mapped()[..to.len()]);
-            first = end;
+    /// Reads as [`Buffer::read_by`] does, `part` bytes at a time.
+    fn read_in_parts(
+        &self,
+        range: &Range<u64>,
+        take: &mut dyn FnMut(usize, &[u8]),
+        part: u64,
+    ) -> Result<(), VulkanError> {
+        let part = part.min(range.end - range.start);
+        let staging = Self::new(&self.device, "staging for a read", part, Location::Readback)?;
+        for first in range.clone().step_by(part.max(1) as usize) {
+            let bytes = first..range.end.min(first + part);
+            let count = (bytes.end - bytes.start) as usize;
+            self.device.run(|passes| passes.copy_range(self, bytes, &staging, 0))?;
+            take((first - range.start) as usize, &staging.mapped()[..count]);
         }
         Ok(())
     }

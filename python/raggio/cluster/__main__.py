@@ -79,7 +79,12 @@ def _film(order: dict[str, Any], stops: threading.Event, tell: Any) -> None:
     for key, value in order["render"].items():
         scene._text.set(["render", key], value)
     work = Order(
-        manifest, device=order["device"], threads=order["threads"], integrator=order["integrator"], films=True
+        manifest,
+        device=order["device"],
+        tracer=order["tracer"],
+        threads=order["threads"],
+        integrator=order["integrator"],
+        films=True,
     )
     render = FilmRender(
         scene,

@@ -15,7 +15,7 @@ from .._camera import Camera
 from .._errors import OutputError, SceneError, SceneWarning
 from .._image import Image
 from .._progress import ProgressLike, Report, reporter
-from .._render import AovsLike, _in_range, _layers, _Options, _positive, _raise, _table
+from .._render import AovsLike, Tracer, _in_range, _layers, _Options, _positive, _raise, _table
 from .._scene import Scene
 from .._types import Developed
 from ._connect import connected
@@ -46,6 +46,7 @@ def render(
     max_depth: int | None = None,
     alpha: bool | None = None,
     device: str = "all",
+    tracer: Tracer = "auto",
     threads: int | None = None,
     aovs: AovsLike = (),
     denoise: bool = False,
@@ -73,6 +74,7 @@ def render(
     max_depth: int | None = None,
     alpha: bool | None = None,
     device: str = "all",
+    tracer: Tracer = "auto",
     threads: int | None = None,
     aovs: AovsLike = (),
     denoise: bool = False,
@@ -99,6 +101,7 @@ def render(
     max_depth: int | None = None,
     alpha: bool | None = None,
     device: str = "all",
+    tracer: Tracer = "auto",
     threads: int | None = None,
     aovs: AovsLike = (),
     denoise: bool = False,
@@ -119,8 +122,8 @@ def render(
 
     ``address`` is HOST:PORT of the cluster's head, "auto" for the cluster that this machine is part of, "local" for this
     machine alone, or ``None``: what the process is connected to, else ``RAY_ADDRESS``, else "local". Machines that have
-    the scene's files read them, and the others get them; meshes and images in memory travel too. ``device`` is that of
-    each machine. Layers and noise of one picture are seen to on this machine.
+    the scene's files read them, and the others get them; meshes and images in memory travel too. ``device`` and ``tracer``
+    are those of each machine. Layers and noise of one picture are seen to on this machine.
 
     ``preview`` is refreshed every ``preview_every`` seconds: the path of a ``.png`` or ``.exr`` that is written whole, a
     function of the :class:`Image`, or ``True`` for the output of a notebook's cell. The film is kept in ``checkpoint``
@@ -155,6 +158,7 @@ def render(
         max_depth=max_depth,
         alpha=alpha,
         device=device,
+        tracer=tracer,
         threads=threads,
         aovs=tuple(_layers(aovs)),
         denoise=denoise,
@@ -287,7 +291,7 @@ class FilmRender:
         # A film that was whole from the beginning has been compared with nothing yet.
         is_unknown = self.resumed is not None and not self.devices
         if shows_all and order is not None and (order.aovs or order.denoise or is_unknown):
-            at_hand = replace(order, device="auto", samples=self._wanted[1])
+            at_hand = replace(order, device="auto", tracer="auto", samples=self._wanted[1])
             session = at_hand.session(self._scene, order.threads)
             developed, ended = session.develop_film(self.film, self.resumed or "the cluster's film", self.seconds)
             image = Image(developed, device or session.device)

@@ -41,6 +41,7 @@ class Order:
     max_depth: int | None = None
     alpha: bool | None = None
     device: str = "all"
+    tracer: _render.Tracer = "auto"
     threads: int | None = None
     aovs: tuple[str, ...] = ()
     denoise: bool = False
@@ -62,6 +63,7 @@ class Order:
         camera = self.camera or (None if scene.camera else Camera.look_at((0, 0, 1), (0, 0, 0)))
         return _render._session(
             *(scene, camera, self.options, self.device, threads, self.aovs, self.denoise, self.samples, None, None),
+            tracer=self.tracer,
             label=self.films,
             integrator=self.integrator,
         )

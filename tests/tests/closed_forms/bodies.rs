@@ -1,7 +1,7 @@
 //! Transparent bodies in, through and beside one another: each pixel must show the stripe of a wall that a path in
 //! double precision arrives at, as bright as the media at both its ends make it.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 use raggio_scene::{Geometry, Scene};
 use raggio_tests::geometry::{Ray, nearest, refracted, rotation};
 use raggio_tests::render::means;
@@ -32,7 +32,33 @@ const CUBE: &str = "box = { center = [0, 0, 0], size = [3, 4, 1.5], rotation_deg
 const SHEET: &str = "box = { center = [0, 0, 1], size = [90, 90, 1.5] }";
 const AROUND_CAMERA: &str = "box = { center = [0, 0, 5], size = [90, 90, 3] }";
 
-const CASES: [Case; 17] = [
+const ROD: &str = "cylinder = { base = [-1.2, -1, -0.5], top = [1, 1.1, 0.7], radius = 0.9 }";
+const SPIRE: &str = "cone = { base = [0.3, -1.6, 0.2], top = [-0.4, 1.9, 0.5], radius = 1.7 }";
+const BUCKET: &str = "cone = { base = [0, 0, 1.4], top = [0.3, 0.2, -1], radius = 1.6, top_radius = 0.8 }";
+const TUBE_AROUND_CAMERA: &str = "cylinder = { base = [0, 0, 9], top = [0, 0, 3], radius = 4 }";
+
+const CASES: [Case; 22] = [
+    Case { what: "glass rod in air", media: &[("glass", 1.5, 0)], bodies: &[("glass", ROD)] },
+    Case {
+        what: "glass spire in water",
+        media: &[("water", 1.33, 0), ("glass", 1.5, 0)],
+        bodies: &[("water", SEA), ("glass", SPIRE)],
+    },
+    Case {
+        what: "bubble in a bucket of glass",
+        media: &[("glass", 1.5, 0), ("bubble", 1.0, 0)],
+        bodies: &[("glass", BUCKET), ("bubble", CORE)],
+    },
+    Case {
+        what: "a rod and a spire overlap",
+        media: &[("a", 1.2, 1), ("b", 1.6, 2)],
+        bodies: &[("a", ROD), ("b", SPIRE)],
+    },
+    Case {
+        what: "the camera in a tube",
+        media: &[("water", 1.33, 0), ("glass", 1.5, 0)],
+        bodies: &[("water", TUBE_AROUND_CAMERA), ("glass", BALL)],
+    },
     Case { what: "glass ball in air", media: &[("glass", 1.5, 0)], bodies: &[("glass", BALL)] },
     Case { what: "turned diamond in air", media: &[("diamond", 2.4, 0)], bodies: &[("diamond", CUBE)] },
     Case {
@@ -151,8 +177,18 @@ fn contains(body: &Geometry, p: DVec3) -> bool {
             let local = rotation(rotation_degrees.as_dvec3()).transpose() * (p - center.as_dvec3());
             local.abs().cmplt(0.5 * size.as_dvec3()).all()
         }
-        Geometry::Rectangle { .. } => false,
+        Geometry::Cylinder { base, top, radius, .. } => between(base, top, [radius; 2], p),
+        Geometry::Cone { base, top, radius, top_radius, .. } => between(base, top, [radius, top_radius], p),
+        Geometry::Rectangle { .. } | Geometry::Disk { .. } => false,
     }
+}
+
+/// Whether a point is between two circles around the axis between these centres.
+fn between(base: Vec3, top: Vec3, radii: [f32; 2], p: DVec3) -> bool {
+    let [base, top] = [base, top].map(|center| center.as_dvec3());
+    let part = (p - base).dot(top - base) / (top - base).length_squared();
+    let radius = f64::from(radii[0]) + part * f64::from(radii[1] - radii[0]);
+    (0.0..1.0).contains(&part) && p.distance(base + part * (top - base)) < radius
 }
 
 /// Path of light in double precision: the point where it hits the wall's plane, and the index there over that at the

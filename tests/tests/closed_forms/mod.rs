@@ -9,6 +9,7 @@ mod furnace;
 mod hard_cases;
 mod lamps;
 mod lens;
+mod media;
 mod mirrors;
 mod overlap;
 mod panorama;

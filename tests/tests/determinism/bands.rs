@@ -1,6 +1,6 @@
 //! Large films lie in several buffers on a GPU, and everything is released in order.
 
-use raggio_render::{Comparison, Device, DeviceScene, Display, Feature, Image, VulkanDevice};
+use raggio_render::{Comparison, Device, DeviceScene, Display, Feature, Image, Tracer, VulkanDevice};
 use raggio_scene::Scene;
 use raggio_tests::devices::{cpu, vulkan};
 use raggio_tests::render::{displayed, load, means, relative_difference};
@@ -56,7 +56,7 @@ fn devices_go_without_a_complaint() {
     }
     let instance = Instance::new(true).expect("Vulkan was there a moment ago");
     let physical = instance.devices().expect("devices are listed");
-    let device = VulkanDevice::new(&physical[0], None, true).expect("the device opens");
+    let device = VulkanDevice::new(&physical[0], Tracer::Software, None, true).expect("the device opens");
     let scene = Scene::parse(crate::determinism::EVERYTHING, "scene.toml").expect("the scene is valid");
     let mut session = device.load(&DeviceScene::new(&scene).expect("the scene fits")).expect("the scene loads");
     session.add_samples(0..8, 0..1).expect("samples are added");

@@ -23,6 +23,7 @@ fn kernels_stay_inside_their_buffers() {
         "reference/nested",
         "reference/lamp",
         "reference/weekend",
+        "reference/media",
     ] {
         let mut scene = Scene::load(format!("{folder}/{name}.toml").as_ref()).expect("the scene is valid");
         (scene.render.width, scene.render.height) = (160, 90);

@@ -5,7 +5,7 @@ use raggio_tests::devices::{cpu, vulkan};
 use raggio_tests::render;
 use raggio_tests::render::{means, relative_difference};
 
-use crate::determinism::scenes;
+use crate::determinism::scenes_of_all_kinds;
 
 const SAMPLES: u32 = 32;
 
@@ -26,7 +26,7 @@ fn agreeing(ours: &Film, theirs: &Film) -> (usize, usize) {
 #[test]
 fn vulkan_agrees_with_the_cpu() {
     let Some(vulkan) = vulkan() else { return };
-    for (name, scene) in scenes() {
+    for (name, scene) in scenes_of_all_kinds() {
         let (ours, theirs) = (render(vulkan, &scene, SAMPLES), render(cpu(), &scene, SAMPLES));
         let pixels = ours.pixels().len();
         let (equal, near) = agreeing(&ours, &theirs);

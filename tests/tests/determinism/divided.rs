@@ -6,7 +6,7 @@ use raggio_render::{CpuDevice, CpuOptions, Device, DeviceScene, Film, Instructio
 use raggio_scene::{Sampler, Scene};
 use raggio_tests::{for_each_device, render, render_range};
 
-use crate::determinism::scenes;
+use crate::determinism::{scenes, scenes_of_all_kinds};
 
 const SAMPLES: u32 = 20;
 
@@ -91,7 +91,7 @@ fn renderers_of_ranges_merge_to_the_whole() {
 
 #[test]
 fn threads_and_tiles_leave_no_trace() {
-    for (name, scene) in scenes() {
+    for (name, scene) in scenes_of_all_kinds() {
         let film = |threads, tile_rows| {
             let options = CpuOptions { threads, tile_rows, ..CpuOptions::default() };
             render(&CpuDevice::new(options).expect("threads can be had"), &scene, SAMPLES)
@@ -111,7 +111,7 @@ fn instruction_sets_leave_no_trace() {
     // Two sets are needed, or this test compares nothing: every x86-64 processor of the last ten years has v3 beside
     // v2.
     assert!(sets.len() >= 2 || !cfg!(target_arch = "x86_64"), "only {sets:?} to compare");
-    for (name, scene) in scenes() {
+    for (name, scene) in scenes_of_all_kinds() {
         let films = sets.iter().map(|&set| {
             let options = CpuOptions { instruction_set: Some(set), ..CpuOptions::default() };
             render(&CpuDevice::new(options).expect("the set is available"), &scene, SAMPLES)

@@ -11,7 +11,7 @@ use raggio_tests::devices::{lacks, long};
 use raggio_tests::render::load;
 use raggio_tests::{Pcg, parse};
 
-use crate::determinism::scenes;
+use crate::determinism::scenes_of_all_kinds;
 use crate::shapes::meshes::{ball, soup};
 
 const SAMPLES: u32 = 4;
@@ -35,13 +35,23 @@ fn crowd() -> Scene {
         let v = |v: DVec3| format!("[{}, {}, {}]", v.x, v.y, v.z);
         let (at, size) = (random.in_cube(10.0), random.log_between(0.1, 2.0));
         if i % 7 != 1 {
-            last = match random.below(3) {
+            last = match random.below(5) {
                 0 => format!("sphere = {{ center = {}, radius = {size} }}", v(at)),
                 1 => format!(
                     "box = {{ center = {}, size = [{size}, 1, 1], rotation_degrees = {} }}",
                     v(at),
                     v(90.0 * at)
                 ),
+                2 => {
+                    let (top, capped) = (at + random.log_between(0.1, 2.0) * random.direction(), random.below(2) == 0);
+                    let narrow = size * random.between(0.0, 1.0);
+                    let ends = format!("base = {}, top = {}, radius = {size}, capped = {capped}", v(at), v(top));
+                    match random.below(3) {
+                        0 => format!("cylinder = {{ {ends} }}"),
+                        _ => format!("cone = {{ {ends}, top_radius = {narrow} }}"),
+                    }
+                }
+                3 => format!("disk = {{ center = {}, normal = {}, radius = {size} }}", v(at), v(random.direction())),
                 _ => {
                     let axis = random.below(3);
                     let (u, w) = (DVec3::AXES[axis] * size, DVec3::AXES[(axis + 1) % 3]);
@@ -82,7 +92,7 @@ fn film(options: CpuOptions, scene: &Scene, feature: Feature) -> Vec<FilmPixel> 
 
 #[test]
 fn all_walks_and_levels_make_one_picture() {
-    let scenes = scenes().into_iter().chain([("crowd", crowd())]);
+    let scenes = scenes_of_all_kinds().into_iter().chain([("crowd", crowd())]);
     for (name, mut scene) in scenes {
         for (integrator, feature) in [
             (Integrator::Path, Feature::Radiance),

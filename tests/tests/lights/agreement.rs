@@ -88,6 +88,24 @@ fn lamps() -> Vec<Lamp> {
                 "box = { center = [0, 2.2, -1], size = [1.5, 0.5, 1], rotation_degrees = [0, 20, 30] }",
             );
         }),
+        ("disk", |scene| {
+            add_shape(scene, "lamp", "disk = { center = [0.4, 2.3, 0.3], normal = [0.3, 1, -0.4], radius = 0.9 }");
+        }),
+        ("cylinder", |scene| {
+            add_shape(scene, "lamp", "cylinder = { base = [-1.3, 2.2, -0.4], top = [1.2, 2.5, 0.3], radius = 0.35 }");
+        }),
+        ("cones", |scene| {
+            add_shape(
+                scene,
+                "lamp",
+                "cone = { base = [-0.9, 2.3, 0], top = [-0.8, 1.7, 0.1], radius = 0.6, capped = false }",
+            );
+            add_shape(
+                scene,
+                "lamp",
+                "cone = { base = [0.9, 2.6, 0.5], top = [0.8, 2, 0.2], radius = 0.6, top_radius = 0.4 }",
+            );
+        }),
         ("mesh", |scene| {
             let place = DAffine3::from_scale_rotation_translation(
                 DVec3::new(0.8, 0.4, 0.8),
@@ -119,6 +137,16 @@ fn lamps() -> Vec<Lamp> {
             add_light(scene, kind, [0.5, 2.9, 0.8], [-0.1, -1.0, -0.3], [12.0, 12.0, 9.0]);
         }),
         ("sun", |scene| add_light(scene, LightKind::Directional, [0.0; 3], [-0.5, -1.0, -0.4], [1.0, 1.5, 2.0])),
+        ("sun with a size", |scene| {
+            add_light(scene, LightKind::Sun { half_angle: 0.4 }, [0.0; 3], [-0.5, -1.0, -0.4], [1.0, 1.5, 2.0]);
+        }),
+        // A sun before a bright sky, another that overlaps it, and a light that only sampling finds.
+        ("suns and sky", |scene| {
+            add_light(scene, LightKind::Sun { half_angle: 0.5 }, [0.0; 3], [-0.5, -1.0, -0.4], [0.6, 0.9, 1.2]);
+            add_light(scene, LightKind::Sun { half_angle: 1.4 }, [0.0; 3], [-0.9, -0.4, -0.4], [0.8, 0.5, 0.2]);
+            add_light(scene, LightKind::Directional, [0.0; 3], [0.5, -1.0, -0.4], [0.2; 3]);
+            scene.environment = sky(16, 8, |x, y| if x < 7 && y < 3 { [2.0, 1.5, 1.0] } else { [0.1, 0.2, 0.4] });
+        }),
         ("many", |scene| {
             add_shape(scene, "lamp", "sphere = { center = [0.5, 2.6, 0.8], radius = 0.5 }");
             add_shape(scene, "lamp", "box = { center = [-1.4, 1.9, -1], size = [1, 0.5, 0.6] }");
@@ -245,7 +273,7 @@ fn cover() -> Vec<(usize, [usize; BODIES])> {
 #[test]
 fn the_cover_leaves_no_pair_out() {
     let cover = cover();
-    assert_eq!(cover.len(), 52);
+    assert_eq!(cover.len(), 72);
     for material in 0..MATERIALS.len() {
         for lamp in 0..lamps().len() {
             assert!(cover.iter().any(|row| row.0 == lamp && row.1.contains(&material)), "{material} under {lamp}");
@@ -304,7 +332,7 @@ fn depth_means_the_same() {
     for_each_device(|device| {
         let mut scenes = vec![];
         // The cases are a light of each kind: an area, the sky, a point, and all together.
-        let chosen = device.pick(&["sphere", "sky's image", "point", "many"][..], &["sphere"]);
+        let chosen = device.pick(&["sphere", "sky's image", "point", "suns and sky", "many"][..], &["sphere"]);
         let is_chosen = |lamp: &str| chosen.contains(&lamp) || (long() && !device.slow);
         for (lamp, add) in lamps().into_iter().filter(|(lamp, _)| is_chosen(lamp)) {
             for max_depth in [1, 2, 3, 0] {
@@ -347,6 +375,37 @@ fn sheets_hide_no_light() {
             }
         }
         assert_agree(&device, scenes, [192, 512]);
+    });
+}
+
+/// Fog in a body without a surface, milk behind a smooth and wax behind a rough one, and a stage full of mist: a lamp of each
+/// kind shines into all of them, and through.
+#[test]
+fn every_light_through_media() {
+    let media = [
+        "medium = { scattering = [3, 1.5, 0.7], absorption = [0.1, 0.2, 0.4], anisotropy = 0.5 }",
+        "color = [1, 1, 1]\nrefractive_index = 1.33\nmedium = { scattering = [2, 3, 4], absorption = 0.3, anisotropy = -0.3 }",
+        "principled = { transmission = 1, roughness = 0.4, ior = 1.4 }\nmedium = { scattering = 4, absorption = [0.5, 1, 2] }",
+    ];
+    let mist = raggio_scene::Medium {
+        scattering: [0.05, 0.04, 0.03].into(),
+        absorption: [0.0, 0.01, 0.02].into(),
+        anisotropy: 0.7,
+    };
+    for_each_device(|device| {
+        let mut scenes = vec![];
+        for (number, (lamp, add)) in lamps().into_iter().enumerate() {
+            // Software Vulkan takes minutes to compile principled kernels: single pictures test them there.
+            if device.slow {
+                continue;
+            }
+            let order = [0, 1, 2].map(|body| media[(body + number) % media.len()]);
+            let mut scene = trio(order, add);
+            scenes.push((format!("media under {lamp}"), scene.clone()));
+            scene.air = Some(mist);
+            scenes.push((format!("media in mist under {lamp}"), scene));
+        }
+        assert_agree(&device, scenes, [256, 768]);
     });
 }
 

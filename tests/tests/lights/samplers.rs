@@ -75,7 +75,33 @@ fn cases() -> Vec<Case> {
     let mut smooth = scene(&[]);
     smooth.environment = sky(8, 4, |x, y| [(x + 3 * y) as f32, 1.0, 2.0]);
     let case = |what, scene: &Scene, point, cone| Case { what, scene: scene.clone(), point, cone };
+    let mut sun = scene(&[]);
+    add_light(&mut sun, LightKind::Sun { half_angle: 0.2 }, [0.0; 3], [-1.0, -2.0, 0.5], [1.0; 3]);
+    let mut small_sun = scene(&[]);
+    add_light(&mut small_sun, LightKind::Sun { half_angle: 0.0046 }, [0.0; 3], [-1.0, -2.0, 0.5], [1.0; 3]);
+    // Half of the sun is below the horizon of a receiver that has one side.
+    let mut low_sun = scene(&[sphere]);
+    add_light(&mut low_sun, LightKind::Sun { half_angle: 1.2 }, [0.0; 3], [-1.0, 0.1, 0.5], [4.0; 3]);
+    let disk = "disk = { center = [0.5, 2, 0.3], normal = [0.2, -1, 0.4], radius = 0.8 }";
+    let cylinder = "cylinder = { base = [-0.5, 1.8, 0.2], top = [1, 2.4, -0.3], radius = 0.5 }";
+    let tube = "cylinder = { base = [-0.5, 1.8, 0.2], top = [1, 2.4, -0.3], radius = 0.5, capped = false }";
+    let spire = "cone = { base = [0.2, 2.4, 0.1], top = [0.5, 1.3, 0], radius = 0.9 }";
+    let hat = "cone = { base = [0.2, 2.4, 0.1], top = [0.5, 1.3, 0], radius = 0.9, top_radius = 0.3, capped = false }";
+    let bucket = "cone = { base = [0.2, 1.3, 0.1], top = [0.5, 2.4, 0], radius = 0.9, top_radius = 0.6 }";
     vec![
+        case("disk", &scene(&[disk]), at([0.0; 3]), cone([0.5, 2.0, 0.3], 0.85)),
+        case("disk, near", &scene(&[disk]), at([0.4, 1.5, 0.5]), whole),
+        case("cylinder", &scene(&[cylinder]), at([0.0; 3]), cone([0.25, 2.1, 0.0], 0.8)),
+        case("cylinder, near its end", &scene(&[cylinder]), at([1.3, 2.3, -0.5]), whole),
+        case("tube", &scene(&[tube]), at([0.0; 3]), cone([0.25, 2.1, 0.0], 0.8)),
+        case("tube, from inside", &scene(&[tube]), at([0.3, 2.0, 0.1]), whole),
+        case("cone, toward its apex", &scene(&[spire]), at([0.0; 3]), cone([0.4, 2.0, 0.0], 0.8)),
+        case("cone, from the side", &scene(&[spire]), at([-1.5, 2.0, 0.0]), whole),
+        case("hat", &scene(&[hat]), at([0.0; 3]), cone([0.4, 2.0, 0.0], 0.8)),
+        case("bucket", &scene(&[bucket]), at([1.5, 0.6, 0.3]), whole),
+        case("sun", &sun, at([0.0; 3]), cone([1.0, 2.0, -0.5], 0.97)),
+        case("small sun", &small_sun, at([0.0; 3]), cone([1.0, 2.0, -0.5], 1.0 - 1.5e-5)),
+        case("low sun", &low_sun, Point { both_sides: false, ..at([0.0; 3]) }, whole),
         case("sphere", &scene(&[sphere]), at([0.0; 3]), cone([1.0, 2.0, 0.5], 0.9)),
         case("sphere, near", &scene(&[sphere]), at([0.75, 1.4, 0.3]), whole),
         case("sphere, far", &scene(&[far]), at([0.0; 3]), cone([3.0, 4.0, 0.0], 1.0 - 1.5e-6)),
@@ -193,8 +219,12 @@ fn samples_follow_their_density() {
                 }
             }
             println!("{} {}: {seen} of {count} are seen, {differing} differ", device.label, case.what);
-            // At edges, rounding decides which of two surfaces a ray meets.
-            assert!(differing <= seen / 500, "{}: {differing} of {seen} densities differ", case.what);
+            // At edges, rounding decides which of two surfaces a ray meets; and where a side that is bent is seen edge-on, by whose
+            // cosine densities are divided, it moves the point that a ray meets. Of what is closed hardly any
+            // such points are sampled.
+            let is_bent = ["tube", "hat"].iter().any(|shape| case.what.starts_with(shape));
+            let most = if is_bent { seen / 100 } else { seen / 500 };
+            assert!(differing <= most, "{}: {differing} of {seen} densities differ", case.what);
             assert!(seen > count / 20, "{}: {seen} of {count} samples are seen", case.what);
             let expected: Vec<f64> = case.expected(&device, &scene).iter().map(|e| e * count as f64).collect();
             verdict.add(format!("{} {}", device.label, case.what), chi_square(&counts, &expected));

@@ -28,6 +28,7 @@ fn motley(count: usize) -> Scene {
     }
     add_light(&mut scene, LightKind::Directional, [0.0; 3], [1.0, -2.0, 0.5], [0.3; 3]);
     add_light(&mut scene, LightKind::Directional, [0.0; 3], [-1.0, -2.0, 0.5], [0.01; 3]);
+    add_light(&mut scene, LightKind::Sun { half_angle: 0.3 }, [0.0; 3], [0.2, -1.0, 0.9], [0.5; 3]);
     scene.environment = sky(8, 4, |x, y| [(x * y) as f32 * 0.01; 3]);
     scene
 }
@@ -36,7 +37,7 @@ fn motley(count: usize) -> Scene {
 fn lights_are_chosen_as_often_as_they_say() {
     let scene = DeviceScene::new(&motley(64)).expect("the scene fits devices");
     let lights = scene.buffers.emitters.len();
-    assert_eq!(lights, 64 + 32 + 2 + 1);
+    assert_eq!(lights, 64 + 32 + 3 + 1);
     for_each_device(|device| {
         let mut verdict = Verdict::default();
         let mut random = Pcg::new(5);

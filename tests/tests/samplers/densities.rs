@@ -115,6 +115,11 @@ impl Case {
                 Chart { axes: basis(self.n), range: (0.0, 1.0), form }
             }
             SamplerKind::RoughGlass => Chart { axes: basis(self.n), range: (-1.0, 1.0), form: Form::Cosine },
+            // Fine about the axis of the lobe.
+            SamplerKind::HenyeyGreenstein => {
+                let axis = if s < 0.0 { self.wo } else { -self.wo };
+                Chart { axes: frame(axis), range: (0.0, 2f64.sqrt()), form: Form::Root }
+            }
             SamplerKind::UniformDisk => Chart { axes: frame(self.n), range: (0.0, 1.0), form: Form::Disk },
             SamplerKind::InterpolatedMirror if s > 0.5 => {
                 Chart { axes: frame(self.mirror()), range: (0.0, 1.0 - s), form: Form::Cone(s) }
@@ -150,6 +155,11 @@ impl Case {
             SamplerKind::VisibleNormal => self.facets().visible(self.local(self.wo), self.local(w)),
             SamplerKind::RoughMirror => self.facets().reflected(self.local(self.wo), self.local(w)),
             SamplerKind::RoughGlass => self.facets().dielectric(self.local(self.wo), self.local(w), self.detail),
+            SamplerKind::HenyeyGreenstein => {
+                let g = self.smoothness;
+                let cosine = -self.wo.dot(w.normalize());
+                (1.0 - g * g) / (4.0 * PI * (1.0 + g * g - 2.0 * g * cosine).powf(1.5))
+            }
         }
     }
 
@@ -195,6 +205,14 @@ impl Case {
     /// difference.
     pub fn tolerance(&self, w: DVec3) -> f64 {
         let eight = 8.0 * 2f64.powi(-24);
+        if self.kind as u32 == SamplerKind::HenyeyGreenstein as u32 {
+            // The denominator, whose directions are rounded, stands there to the power of 3/2.
+            let g = self.smoothness.abs();
+            let cosine = -self.wo.dot(w) * self.smoothness.signum();
+            let off = (2.0 - 2.0 * cosine).max(0.0).sqrt() + eight;
+            let condition = 1.0 + 2.0 * g * off / ((1.0 - g).powi(2) + g * off * off);
+            return 2.0 * eight * condition * self.density(w) + 1e-12;
+        }
         if self.kind as u32 >= SamplerKind::VisibleNormal as u32 {
             let eta = match self.kind {
                 SamplerKind::VisibleNormal => None,
@@ -252,6 +270,10 @@ pub fn cases() -> Vec<Case> {
             for cosine in if i == 0 { &cosine[..] } else { &cosine[1..] } {
                 add(SamplerKind::InterpolatedMirror, *cosine, f64::from(smoothness));
             }
+        }
+        for g in [[0.0f32, 0.3, -0.6], [0.9, -0.95, 0.001], [0.95, 0.7, -0.2]][i] {
+            let kind = SamplerKind::HenyeyGreenstein;
+            cases.push(Case { kind, n, wo: wo(0.6), smoothness: f64::from(g), detail: 0.0 });
         }
         rough_cases(i, n, &wo, &mut cases);
     }

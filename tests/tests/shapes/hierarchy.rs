@@ -14,7 +14,7 @@ const RAYS: usize = 50_000;
 const ROOM: f64 = 10.0;
 
 /// Scene of shapes of all kinds; some exactly where others are, some without thickness along an axis.
-fn random_scene(count: usize, random: &mut Pcg) -> Scene {
+pub(super) fn random_scene(count: usize, random: &mut Pcg) -> Scene {
     let mut text = String::from(
         "[camera]\nposition = [0, 0, 30]\nlook_at = [0, 0, 0]\nvertical_fov_degrees = 40
          [materials.a]\n[materials.b]\n",
@@ -33,7 +33,7 @@ fn random_scene(count: usize, random: &mut Pcg) -> Scene {
 fn random_shape(random: &mut Pcg) -> String {
     let at = array(random.in_cube(ROOM));
     let size = random.log_between(0.01, 3.0);
-    match random.below(20) {
+    match random.below(26) {
         // Planes lie around the room, not through it: the others are to be seen.
         0 => {
             let outward = random.direction();
@@ -46,9 +46,26 @@ fn random_shape(random: &mut Pcg) -> String {
             let (u, v) = (DVec3::AXES[axis] * size, DVec3::AXES[(axis + 1) % 3] * random.log_between(0.01, 3.0));
             format!("rectangle = {{ corner = {at}, edge_u = {}, edge_v = {} }}", array(u), array(v))
         }
+        // All but along an axis too: bounds are thin.
+        14..16 => {
+            let spread = random.log_between(1e-5, 1.0);
+            let normal = DVec3::AXES[random.below(3)] + random.in_cube(spread);
+            format!("disk = {{ center = {at}, normal = {}, radius = {size} }}", array(normal))
+        }
+        kind @ 16..20 => {
+            let base = random.in_cube(ROOM);
+            let axis = if kind == 16 { DVec3::AXES[random.below(3)] } else { random.direction() };
+            let ends = format!("base = {}, top = {}", array(base), array(base + random.log_between(0.01, 3.0) * axis));
+            let capped = random.bits() & 1 == 0;
+            match kind {
+                16 | 17 => format!("cylinder = {{ {ends}, radius = {size}, capped = {capped} }}"),
+                18 => format!("cone = {{ {ends}, radius = {size}, capped = {capped} }}"),
+                _ => format!("cone = {{ {ends}, radius = {size}, top_radius = {}, capped = {capped} }}", 0.4 * size),
+            }
+        }
         kind => {
             let sides = array(DVec3::new(size, random.log_between(0.01, 3.0), random.log_between(1e-6, 1.0)));
-            let turned = if kind < 17 { DVec3::ZERO } else { random.in_cube(180.0) };
+            let turned = if kind < 23 { DVec3::ZERO } else { random.in_cube(180.0) };
             format!("box = {{ center = {at}, size = {sides}, rotation_degrees = {} }}", array(turned))
         }
     }
@@ -59,7 +76,7 @@ fn array(v: DVec3) -> String {
 }
 
 /// Rays from inside and outside the room; a fifth along the axes, through the corners of shapes.
-fn random_rays(scene: &Scene, random: &mut Pcg) -> Vec<SingleRay> {
+pub(super) fn random_rays(scene: &Scene, random: &mut Pcg) -> Vec<SingleRay> {
     (0..RAYS)
         .map(|i| {
             let place = crate::shapes::place(&scene.shapes[random.below(scene.shapes.len())].geometry).0;

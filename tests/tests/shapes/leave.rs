@@ -45,6 +45,12 @@ fn shapes() -> Vec<String> {
             shapes.push(format!("plane = {{ point = {at}, normal = [0.2, 0.9, -0.3] }}"));
             let (u, v) = (0.6 * scale, 0.8 * scale);
             shapes.push(format!("rectangle = {{ corner = {at}, edge_u = [{u}, 0, {v}], edge_v = [{v}, 0, -{u}] }}"));
+            shapes.push(format!("disk = {{ center = {at}, normal = [0.2, 0.9, -0.3], radius = {scale} }}"));
+            let top = format!("[{}, {}, {}]", x + 0.7 * scale, y + 1.1 * scale, z - 0.4 * scale);
+            let ends = format!("base = {at}, top = {top}, radius = {}", 0.6 * scale);
+            shapes.push(format!("cylinder = {{ {ends} }}"));
+            shapes.push(format!("cone = {{ {ends} }}"));
+            shapes.push(format!("cone = {{ {ends}, top_radius = {} }}", 0.2 * scale));
             let size = format!("[{scale}, {}, {}]", 0.5 * scale, 2.0 * scale);
             shapes.push(format!("box = {{ center = {at}, size = {size}, rotation_degrees = [20, 30, 40] }}"));
         }
@@ -86,7 +92,7 @@ fn leaving_rays_do_not_find_their_surface_again() {
         for (i, text) in shapes().iter().enumerate() {
             let shape = scene_of(text, true).shapes[0].geometry.clone();
             let departures = departures(&shape, &mut Pcg::new(100 + i as u64));
-            let has_inside = matches!(shape, Geometry::Sphere { .. } | Geometry::Box { .. });
+            let has_inside = !shape.is_sheet() && !matches!(shape, Geometry::Plane { .. });
             let (mut left, mut inward) = (0, 0);
             for (departure, (surface, answer)) in departures.iter().zip(ask(&device, text, true, &departures)) {
                 if answer[0][3] == 0.0 {

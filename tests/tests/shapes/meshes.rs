@@ -81,7 +81,7 @@ pub fn scene_of(shapes: Vec<(Arc<Mesh>, DAffine3)>, others: &str) -> Scene {
 }
 
 /// Transform that turns, stretches unevenly, shears or mirrors, and moves.
-fn placed(room: f64, random: &mut Pcg) -> DAffine3 {
+pub(super) fn placed(room: f64, random: &mut Pcg) -> DAffine3 {
     let turn = DMat3::from_axis_angle(random.direction(), random.between(0.0, 6.0));
     let mut stretch = DMat3::from_diagonal(DVec3::from_array([(); 3].map(|()| random.log_between(0.2, 3.0))));
     match random.below(4) {
@@ -92,7 +92,7 @@ fn placed(room: f64, random: &mut Pcg) -> DAffine3 {
     DAffine3::from_mat3_translation(turn * stretch, random.in_cube(room))
 }
 
-fn scenes() -> Vec<(&'static str, f64, Scene)> {
+pub(super) fn scenes() -> Vec<(&'static str, f64, Scene)> {
     let random = &mut Pcg::new(11);
     let still = DAffine3::IDENTITY;
     let one = mesh(vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]);
@@ -124,7 +124,7 @@ fn scenes() -> Vec<(&'static str, f64, Scene)> {
 }
 
 /// Rays from anywhere, to anywhere; a third along an axis, through the corners of triangles.
-fn rays(scene: &Scene, room: f64, count: usize, random: &mut Pcg) -> Vec<SingleRay> {
+pub(super) fn rays(scene: &Scene, room: f64, count: usize, random: &mut Pcg) -> Vec<SingleRay> {
     let corner = |random: &mut Pcg| match &scene.shapes.get(random.below(scene.shapes.len().max(1)))?.geometry {
         Geometry::Mesh { mesh, world_from_mesh, .. } => {
             let vertex = Vec3::from(mesh.positions[random.below(mesh.positions.len())]);

@@ -5,6 +5,7 @@ mod leave;
 mod lists;
 pub mod meshes;
 mod nearest;
+mod tracers;
 
 use raggio_render::{Answer, Question};
 use raggio_scene::{Geometry, Scene};
@@ -31,6 +32,22 @@ const SHAPES: &[&str] = &[
     "box = { center = [0.1, 0.1, 0.2], size = [0.001, 0.002, 0.001], rotation_degrees = [75, -10, 5] }",
     "box = { center = [600, 100, -400], size = [3, 0.01, 2], rotation_degrees = [-50, 12, 160] }",
     "box = { center = [0, -2000, 0], size = [8000, 4000, 9000], rotation_degrees = [0, 45, 0] }",
+    "disk = { center = [0, 0, 0], normal = [0, 1, 0], radius = 1 }",
+    "disk = { center = [1, 2, -3], normal = [1, 2, -0.5], radius = 0.5 }",
+    "disk = { center = [500, -200, 300], normal = [-0.3, 0.1, 0.7], radius = 0.02 }",
+    "disk = { center = [0, -1, 0], normal = [0.1, 1, 0], radius = 9000 }",
+    "cylinder = { base = [0, 0, 0], top = [0, 1, 0], radius = 1 }",
+    "cylinder = { base = [1, 2, -3], top = [1.5, 0, -3.2], radius = 0.3 }",
+    "cylinder = { base = [1, 2, -3], top = [1.5, 0, -3.2], radius = 0.3, capped = false }",
+    "cylinder = { base = [500, -200, 300], top = [502, -199, 300.5], radius = 0.1 }",
+    "cylinder = { base = [-4000, 0, 0], top = [4000, 100, 0], radius = 700, capped = false }",
+    "cone = { base = [0, 0, 0], top = [0, 1, 0], radius = 1 }",
+    "cone = { base = [1, 2, -3], top = [1.5, 0, -3.2], radius = 0.3 }",
+    "cone = { base = [1, 2, -3], top = [1.5, 0, -3.2], radius = 0.9, top_radius = 0.2 }",
+    "cone = { base = [1, 2, -3], top = [1.5, 0, -3.2], radius = 0.9, top_radius = 0.2, capped = false }",
+    "cone = { base = [500, -200, 300], top = [502, -199, 300.5], radius = 1.5, capped = false }",
+    "cone = { base = [0.1, 0, 0], top = [0.1, 0.002, 0.001], radius = 0.004, top_radius = 0.001 }",
+    "cone = { base = [0, -3000, 0], top = [100, 3000, 0], radius = 2000 }",
 ];
 
 /// A scene of one shape, whose rays start `surface_offset` or not off their surfaces.
@@ -45,7 +62,13 @@ fn scene_of(shape: &str, surface_offset: bool) -> Scene {
 fn place(shape: &Geometry) -> (DVec3, f64) {
     match *shape {
         Geometry::Mesh { .. } => unreachable!("there are no meshes here"),
-        Geometry::Sphere { center, radius } => (center.as_dvec3(), f64::from(radius)),
+        Geometry::Sphere { center, radius } | Geometry::Disk { center, radius, .. } => {
+            (center.as_dvec3(), f64::from(radius))
+        }
+        Geometry::Cylinder { base, top, radius, .. } | Geometry::Cone { base, top, radius, .. } => {
+            let way = top.as_dvec3() - base.as_dvec3();
+            (base.as_dvec3() + 0.5 * way, (0.5 * way.length()).hypot(f64::from(radius)))
+        }
         Geometry::Plane { point, .. } => (point.as_dvec3(), 10.0),
         Geometry::Rectangle { corner, edge_u, edge_v } => {
             let diagonal = (edge_u + edge_v).as_dvec3();

@@ -1,5 +1,6 @@
 //! Textures and image skies on every device against definitions in double precision.
 
+mod coordinates;
 mod filtering;
 mod formats;
 mod hostile;

@@ -1,6 +1,8 @@
 //! Views besides the picture itself: features of the first surface, views of the film, comparisons.
 
 mod comparison;
+#[cfg(target_os = "linux")]
+mod denoised;
 mod display;
 mod features;
 mod motion;

@@ -273,6 +273,48 @@ fn shapes_move_turn_and_grow() {
     assert!(largest > 3.0, "{largest}");
 }
 
+#[test]
+fn round_shapes_move_turn_and_grow() {
+    let now = scene(
+        &[
+            shape("disk = { center = [-1, 1.5, 0], normal = [0, 0, 1], radius = 0.6 }"),
+            shape("cylinder = { base = [0.8, 0.2, 0], top = [0.8, 1.2, 0], radius = 0.4 }"),
+            shape("cone = { base = [-0.9, 0.1, 0.6], top = [-0.9, 0.7, 0.6], radius = 0.3, top_radius = 0.1 }"),
+        ]
+        .concat(),
+    );
+    let mut earlier = now.clone();
+    let mut place = |place: usize, geometry: Geometry| earlier.shapes[place].geometry = geometry;
+    place(0, Geometry::Disk { center: Vec3::new(-0.9, 1.6, 0.1), normal: Vec3::new(0.6, 0.0, 0.8), radius: 0.5 });
+    let [base, top] = [Vec3::new(0.9, 0.1, 0.0), Vec3::new(0.9, 1.6, 0.0)];
+    place(1, Geometry::Cylinder { base, top, radius: 0.5, capped: true });
+    let [base, top] = [Vec3::new(-0.9, 0.1, 0.7), Vec3::new(-0.54, 0.58, 0.7)];
+    place(2, Geometry::Cone { base, top, radius: 0.3, top_radius: 0.1, capped: true });
+    let about = |center: [f64; 3]| DAffine3::from_translation(DVec3::from(center));
+    let matrix =
+        |x: [f64; 3], y: [f64; 3], z: [f64; 3]| DAffine3::from_mat3(DMat3::from_cols(x.into(), y.into(), z.into()));
+    let shrunk = f64::from(0.5f32) / f64::from(0.6f32);
+    let [c, s] = [0.8 * shrunk, 0.6 * shrunk];
+    let wider = f64::from(0.5f32) / f64::from(0.4f32);
+    let taller = f64::from(1.6f32 - 0.1f32) / f64::from(1.2f32 - 0.2f32);
+    let largest = check_maps(
+        &now,
+        &earlier,
+        &[
+            about([-0.9, 1.6, 0.1])
+                * matrix([c, 0.0, -s], [0.0, shrunk, 0.0], [s, 0.0, c])
+                * about([-1.0, 1.5, 0.0]).inverse(),
+            about([0.9, 0.1, 0.0])
+                * matrix([wider, 0.0, 0.0], [0.0, taller, 0.0], [0.0, 0.0, wider])
+                * about([0.8, 0.2, 0.0]).inverse(),
+            about([-0.9, 0.1, 0.7])
+                * matrix([0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0])
+                * about([-0.9, 0.1, 0.6]).inverse(),
+        ],
+    );
+    assert!(largest > 3.0, "{largest}");
+}
+
 /// A square of two triangles in the plane z = 0.
 fn square(place: impl Fn([f32; 2]) -> [f32; 3]) -> Arc<Mesh> {
     let positions = [[-1.0, 0.0], [1.0, 0.0], [1.0, 2.0], [-1.0, 2.0]].map(place).to_vec();

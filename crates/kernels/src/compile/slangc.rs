@@ -8,13 +8,19 @@ use std::process::Command;
 const VERSION: &str = "2026.14.1";
 
 /// Variants of the SPIR-V, in the order of `Variant::ALL`: the ending of the names of their files, and the definitions
-/// for Slang. `kernels/variant.slang` and `kernels/lists.slang` say what they are.
-pub const VARIANTS: [(&str, &[&str]); 4] = [
+/// for Slang. `kernels/variant.slang`, `kernels/lists.slang` and `kernels/tracing.slang` say what they are.
+pub const VARIANTS: [(&str, &[&str]); 7] = [
     ("spv", &[]),
     ("simple.spv", &["-DSIMPLE"]),
     ("wide.spv", &["-DADDRESSES"]),
     ("simple.wide.spv", &["-DSIMPLE", "-DADDRESSES"]),
+    (QUERIES, &["-DRAY_QUERIES"]),
+    ("simple.queries.spv", &["-DRAY_QUERIES", "-DSIMPLE"]),
+    (WIDE_QUERIES, &["-DRAY_QUERIES", "-DADDRESSES"]),
 ];
+/// Endings of the names of two of them, whose reflections tell where the structure stands.
+pub const QUERIES: &str = "queries.spv";
+pub const WIDE_QUERIES: &str = "wide.queries.spv";
 
 /// Language that the kernels are compiled to.
 #[derive(Clone, Copy, Debug)]
@@ -32,13 +38,21 @@ pub enum Target {
 /// Variants of the kernels that processors run for several paths at once: the ending of the names of their files, and the
 /// definitions for Slang.
 #[allow(dead_code)]
-pub const LANES: [(&str, &[&str]); 2] = [("lanes.spv", &[]), ("simple.lanes.spv", &["-DSIMPLE"])];
+pub const LANES: [(&str, &[&str]); 3] =
+    [("lanes.spv", &["-DNO_MEDIA"]), ("simple.lanes.spv", &["-DSIMPLE"]), ("media.lanes.spv", &[])];
 
 /// Files of the kernels that processors run for several paths at once; each has an entry point of its name.
 #[allow(dead_code)]
 pub const LANES_FILES: [&str; 5] = ["stages/renew", "stages/find", "stages/shade", "entry/inspect", "entry/reference"];
 
+/// Entry point that traces no rays: variants that ask hardware do without.
+const WITHOUT_RAYS: &str = "display";
+
 impl Target {
+    fn asks_hardware(self) -> bool {
+        matches!(self, Self::Spirv(variant) if VARIANTS[variant].1.contains(&"-DRAY_QUERIES"))
+    }
+
     fn arguments(self) -> Vec<&'static str> {
         match self {
             Self::Cpp => vec!["-target", "cpp"],
@@ -70,7 +84,8 @@ pub fn entry_points(kernels: &Path) -> Result<Vec<String>, String> {
 
 /// Arguments of the compiler but for the files that it writes.
 pub fn arguments(kernels: &Path, entry_points: &[String], target: Target) -> Vec<OsString> {
-    let entries = || entry_points.iter().map(|entry| format!("entry/{entry}")).collect();
+    let traces = |entry: &&String| !target.asks_hardware() || *entry != WITHOUT_RAYS;
+    let entries = || entry_points.iter().filter(traces).map(|entry| format!("entry/{entry}")).collect();
     let files: Vec<String> =
         if let Target::Lanes(_) = target { LANES_FILES.map(String::from).into() } else { entries() };
     let files = files.into_iter().map(|file| kernels.join(file + ".slang").into_os_string());

@@ -13,7 +13,7 @@ use self::collapse::{LEAF, Leaves, MOST_PLACES, Node, collapse};
 use crate::{BvhChild, BvhNode, Mesh, SceneBuffers, ShapeKind, ShapeReference};
 
 /// `Traversal` of `cpp/traversal.h`.
-pub type TraversalWords = [u64; 9];
+pub type TraversalWords = [u64; 10];
 /// Reference to nothing.
 const NONE: u32 = u32::MAX;
 /// Triangles that a leaf may have: two of the blocks that are tested at once.
@@ -85,7 +85,7 @@ impl WideScene {
     /// `Traversal` of `cpp/traversal.h`; rays take turns if `in_turn`, or where the scene is large. Its addresses are good as
     /// long as this scene and `buffers` are.
     pub fn words(&self, buffers: &SceneBuffers, in_turn: bool) -> TraversalWords {
-        let Blocks { instances, spheres, rectangles, boxes } = &self.blocks;
+        let Blocks { instances, spheres, rectangles, boxes, rounds } = &self.blocks;
         [
             self.nodes.as_ptr() as u64,
             self.meshes.nodes.as_ptr() as u64,
@@ -94,6 +94,7 @@ impl WideScene {
             spheres.as_ptr() as u64,
             rectangles.as_ptr() as u64,
             boxes.as_ptr() as u64,
+            rounds.as_ptr() as u64,
             u64::from(self.root),
             u64::from(in_turn || self.bytes_of_nodes() + size_of_val(&buffers.triangles[..]) > NEAR),
         ]

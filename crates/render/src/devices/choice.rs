@@ -10,6 +10,7 @@ use raggio_vulkan::{DeviceKind, Instance, PhysicalDevice, VulkanError};
 use crate::devices::cpu::{CpuDevice, CpuOptions};
 use crate::devices::device::{Device, DeviceError, DeviceInfo};
 use crate::devices::group::DeviceGroup;
+use crate::devices::tracer::Tracer;
 use crate::devices::vulkan::VulkanDevice;
 
 /// A device as users ask for it: `auto`, `cpu`, `vulkan` or `vulkan:N`.
@@ -115,6 +116,8 @@ pub fn devices() -> (Vec<DeviceInfo>, Option<DeviceError>) {
     match listed {
         Ok(physical) => {
             found.extend(physical.into_iter().map(|p| DeviceInfo {
+                has_ray_queries: p.has_ray_queries(),
+                tracer: if Tracer::Auto.asks(&p) { Tracer::Hardware } else { Tracer::Software },
                 id: format!("vulkan:{}", p.index),
                 missing: p.lacks(),
                 name: p.name,
@@ -133,6 +136,8 @@ pub fn devices() -> (Vec<DeviceInfo>, Option<DeviceError>) {
 pub struct OpenOptions {
     /// Options of the CPU.
     pub cpu: CpuOptions,
+    /// Who finds what rays meet on GPUs.
+    pub tracer: Tracer,
     /// Whether Vulkan's validation layers are on.
     pub validate: bool,
     /// A connection to Vulkan that exists already, such as a window's; it has its own validation.
@@ -142,8 +147,8 @@ pub struct OpenOptions {
     ///
     /// [`cache_folder`]: crate::cache_folder
     pub cache: Option<PathBuf>,
-    /// Whether software Vulkan has general kernels, compiled once for all scenes, instead of those that know what a scene has: for
-    /// who renders many small ones, such as tests.
+    /// Whether software Vulkan has general kernels for simple scenes, compiled once for all, instead of those that know what a
+    /// scene has: for who renders many small ones, such as tests. Of other scenes general kernels would take minutes.
     pub general_in_software: bool,
 }
 
@@ -159,7 +164,8 @@ impl OpenOptions {
 /// Opens the device that `choice` asks for. `warn` hears why `auto` passes over a GPU.
 ///
 /// # Errors
-/// A [`DeviceError`] when there is no such device, it cannot run the kernels, or validation cannot be had.
+/// A [`DeviceError`] when there is no such device, it cannot run the kernels, it has not the hardware that is asked for, or
+/// validation cannot be had.
 pub fn open(choice: DeviceChoice, options: OpenOptions, warn: impl Fn(&str)) -> Result<Box<dyn Device>, DeviceError> {
     let gpu = match choice {
         DeviceChoice::Cpu => None,
@@ -168,8 +174,16 @@ pub fn open(choice: DeviceChoice, options: OpenOptions, warn: impl Fn(&str)) -> 
     };
     match gpu {
         Some(gpu) => Ok(Box::new(gpu)),
+        None if options.tracer == Tracer::Hardware => Err(without_hardware(choice)),
         None => Ok(Box::new(CpuDevice::new(options.cpu)?)),
     }
+}
+
+/// Error of a choice in which nothing traces rays by hardware, though that is asked for.
+fn without_hardware(choice: impl fmt::Display) -> DeviceError {
+    DeviceError::NotFound(format!(
+        "nothing that is {choice} here traces rays by hardware: `raggio devices` says what does, and `--tracer auto` does without"
+    ))
 }
 
 /// Opens the devices that `selection` asks for: as one that shares pictures among them if they are several. `warn` hears why
@@ -188,7 +202,12 @@ pub fn open_all(
             for gpu in usable_gpus(options, &warn)? {
                 devices.push(Box::new(gpu));
             }
-            devices.push(Box::new(CpuDevice::new(options.cpu)?));
+            match options.tracer {
+                // The CPU has no such hardware.
+                Tracer::Hardware if devices.is_empty() => return Err(without_hardware(selection)),
+                Tracer::Hardware => {}
+                _ => devices.push(Box::new(CpuDevice::new(options.cpu)?)),
+            }
         }
         DeviceSelection::Listed(choices) => {
             for choice in choices {
@@ -215,9 +234,9 @@ fn usable_gpus(options: &OpenOptions, warn: impl Fn(&str)) -> Result<impl Iterat
     };
     physical.retain(|gpu| matches!(gpu.kind, DeviceKind::Discrete | DeviceKind::Integrated));
     physical.sort_by_key(|gpu| gpu.kind != DeviceKind::Discrete);
-    let cache = options.cache.clone();
+    let (cache, tracer) = (options.cache.clone(), options.tracer);
     let open = move |gpu: PhysicalDevice| {
-        VulkanDevice::new(&gpu, cache.as_deref(), false)
+        VulkanDevice::new(&gpu, tracer, cache.as_deref(), false)
             .map_err(|error| warn(&format!("{} is not used: {error}", gpu.name)))
             .ok()
     };
@@ -226,9 +245,10 @@ fn usable_gpus(options: &OpenOptions, warn: impl Fn(&str)) -> Result<impl Iterat
 
 fn open_vulkan(number: Option<usize>, options: &OpenOptions) -> Result<VulkanDevice, DeviceError> {
     let physical = options.physical_devices()?;
+    let asked = |p: &PhysicalDevice| options.tracer != Tracer::Hardware || p.has_ray_queries();
     let chosen = match number {
         Some(n) => physical.get(n),
-        None => physical.iter().filter(|p| p.lacks().is_empty()).min_by_key(|p| match p.kind {
+        None => physical.iter().filter(|p| p.lacks().is_empty() && asked(p)).min_by_key(|p| match p.kind {
             DeviceKind::Discrete => 0,
             DeviceKind::Integrated => 1,
             DeviceKind::Virtual => 2,
@@ -244,10 +264,11 @@ fn open_vulkan(number: Option<usize>, options: &OpenOptions) -> Result<VulkanDev
                     physical.len()
                 )
             }
+            None if options.tracer == Tracer::Hardware => return without_hardware("a Vulkan device"),
             None => "no Vulkan device of this machine can run the kernels: `raggio devices` says why".into(),
         })
     })?;
-    VulkanDevice::new(chosen, options.cache.as_deref(), options.general_in_software)
+    VulkanDevice::new(chosen, options.tracer, options.cache.as_deref(), options.general_in_software)
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@ use crate::devices::adaptive::Blocks;
 use crate::devices::device::{Answer, Device, DeviceError, DeviceInfo, Question, Session, sampling};
 use crate::devices::films::Films;
 use crate::devices::machine::{cores, processor_name, total_memory_bytes};
+use crate::devices::tracer::Tracer;
 use crate::pictures::display::{Display, Pixels, display_rows, reference_pixels};
 use crate::pictures::film::Film;
 use crate::pictures::linear_image::Image;
@@ -93,6 +94,8 @@ impl CpuDevice {
             },
             memory_bytes: total_memory_bytes(),
             missing: if InstructionSet::best().is_some() { vec![] } else { vec!["x86-64-v2".into()] },
+            has_ray_queries: false,
+            tracer: Tracer::Software,
         }
     }
 }
@@ -212,7 +215,7 @@ impl Session for CpuSession {
         let Self { workers, work, films, reference, .. } = self;
         let film = films.shown_mut().pixels_mut();
         let tile = (work.width * workers.tile_rows) as usize;
-        let mut pixels = vec![0; film.len()];
+        let mut pixels = bytemuck::zeroed_vec(film.len());
         workers.pool.install(|| {
             let tiles = film.par_chunks_mut(tile).zip(pixels.par_chunks_mut(tile)).enumerate();
             tiles.for_each(|(i, (film, pixels))| {
@@ -230,6 +233,10 @@ impl Session for CpuSession {
 
     fn film(&self) -> Result<Film, DeviceError> {
         Ok(self.films.shown().clone())
+    }
+
+    fn take_film(&mut self) -> Result<Film, DeviceError> {
+        Ok(std::mem::replace(self.films.shown_mut(), Film::new(0, 0)))
     }
 
     fn ask(&mut self, probe: Probe, questions: &[Question]) -> Result<Vec<Answer>, DeviceError> {

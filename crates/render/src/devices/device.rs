@@ -4,12 +4,14 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;
 
+use raggio_denoise::{Care, DenoiseError, Denoiser};
 use raggio_kernels::{BrokenScene, EntryPoint, Feature, FilmPixel, Probe};
 use raggio_scene::Integrator;
 use raggio_vulkan::VulkanError;
 
 use crate::devices::adaptive::Blocks;
-use crate::pictures::display::{Display, Pixels};
+use crate::devices::tracer::Tracer;
+use crate::pictures::display::{Denoised, Display, Pixels};
 use crate::pictures::film::Film;
 use crate::pictures::linear_image::Image;
 use crate::translation::device_scene::DeviceScene;
@@ -114,6 +116,11 @@ pub trait Session: Send {
         Err(DeviceError::Host("it cannot be opened again".into()))
     }
 
+    /// Who finds what rays meet, [`Tracer::Software`] or [`Tracer::Hardware`]; `None` where devices that share a picture differ.
+    fn tracer(&self) -> Option<Tracer> {
+        Some(Tracer::Software)
+    }
+
     /// Whether what the session holds may be lost from one moment to the next.
     fn may_be_lost(&self) -> bool {
         false
@@ -126,6 +133,12 @@ pub trait Session: Send {
     /// The film as displayable pixels.
     fn display(&mut self, display: Display) -> Result<Pixels, DeviceError>;
 
+    /// The film of radiance as displayable pixels, without its noise and without a comparison, where `denoiser` works in the
+    /// memory of the device: guides are sampled there too.
+    fn denoise(&mut self, _denoiser: &Denoiser, _care: Care, _display: Display) -> Result<Denoised, DeviceError> {
+        Ok(Denoised::Elsewhere)
+    }
+
     /// Pixels `columns` of row `y` of the film as it is now; they have to be inside it.
     fn pixels(&self, columns: Range<u32>, y: u32) -> Result<Vec<FilmPixel>, DeviceError>;
 
@@ -136,6 +149,11 @@ pub trait Session: Send {
 
     /// The film as it is now.
     fn film(&self) -> Result<Film, DeviceError>;
+
+    /// The film as it is now, for who asks this film for nothing more: it may be gone then.
+    fn take_film(&mut self) -> Result<Film, DeviceError> {
+        self.film()
+    }
 
     /// Means of the film of radiance, three floats a pixel, for CUDA on the same device; `None` where that cannot be without a
     /// way through the host.
@@ -174,6 +192,9 @@ pub enum DeviceError {
     /// A Vulkan call failed.
     #[error(transparent)]
     Vulkan(#[from] VulkanError),
+    /// A denoiser failed in the memory of the device.
+    #[error(transparent)]
+    Denoise(#[from] DenoiseError),
     /// The scene's indices are wrong.
     #[error(transparent)]
     BrokenScene(#[from] BrokenScene),
@@ -195,6 +216,13 @@ impl DeviceError {
     pub fn is_out_of_memory(&self) -> bool {
         matches!(self, Self::Vulkan(VulkanError::OutOfMemory(_) | VulkanError::NoRoom { .. }))
     }
+
+    /// Whether something was too large for the device.
+    pub(crate) fn does_not_fit(&self) -> bool {
+        let is_too_large =
+            matches!(self, Self::Vulkan(VulkanError::TooLarge { .. } | VulkanError::TooManyParts { .. }));
+        is_too_large || self.is_out_of_memory()
+    }
 }
 
 /// A line of `raggio devices`.
@@ -212,6 +240,10 @@ pub struct DeviceInfo {
     pub memory_bytes: Option<u64>,
     /// Features that the device lacks to run the kernels.
     pub missing: Vec<String>,
+    /// Whether the device can trace rays by hardware, or says so: `VK_KHR_ray_query`.
+    pub has_ray_queries: bool,
+    /// Who finds what rays meet if nobody asks for another: [`Tracer::Software`] or [`Tracer::Hardware`].
+    pub tracer: Tracer,
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use raggio_kernels::{Feature, FilmPixel, Probe};
 
 use crate::devices::adaptive::Blocks;
 use crate::devices::device::{Answer, Device, DeviceError, Question, Session};
+use crate::devices::tracer::Tracer;
 use crate::pictures::display::{Display, Pixels};
 use crate::pictures::film::Film;
 use crate::pictures::linear_image::Image;
@@ -191,6 +192,11 @@ impl Session for GroupSession {
 
     fn accept_general(&mut self) {
         self.sessions().for_each(|session| session.accept_general());
+    }
+
+    fn tracer(&self) -> Option<Tracer> {
+        let first = self.members.first()?.session.tracer();
+        first.filter(|_| self.members.iter().all(|member| member.session.tracer() == first))
     }
 
     fn compile_time(&self) -> Duration {

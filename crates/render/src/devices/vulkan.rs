@@ -1,19 +1,24 @@
 //! A Vulkan device.
 
+#[cfg(target_os = "linux")]
+mod noiseless;
+
 use std::collections::HashMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 
+#[cfg(target_os = "linux")]
+use raggio_denoise::{Care, Denoiser};
 use raggio_kernels::{
     BufferBytes, EntryPoint, FILM_BINDING, Feature, FilmPixel, INPUT_BINDING, OUTPUT_BINDING, Probe, RESTING_BINDING,
     SCENE_BINDINGS, SCENE_SET, SPIRV, SceneBuffers, Specialization, Spirv, Variant, Work,
 };
 use raggio_scene::Integrator;
 use raggio_vulkan::{
-    BindingSet, Buffer, Device as VulkanContext, DeviceKind, Location, Module, PhysicalDevice, Pipeline, SetLayout,
-    VulkanError,
+    BindingSet, Buffer, Device as VulkanContext, DeviceKind, Lists, Location, Module, PhysicalDevice, Pipeline,
+    SetLayout, VulkanError,
 };
 #[cfg(target_os = "linux")]
 use raggio_vulkan::{CudaMemory, ExportedBuffer};
@@ -22,10 +27,15 @@ use crate::devices::adaptive::Blocks;
 use crate::devices::device::{Answer, Device, DeviceError, Question, Session, sampling};
 use crate::devices::films::Films;
 use crate::devices::pipelines::{Ahead, Place, Store};
+use crate::devices::structures::Structures;
+use crate::devices::tracer::Tracer;
+#[cfg(target_os = "linux")]
+use crate::pictures::display::Denoised;
 use crate::pictures::display::{Display, Pixels, reference_pixels};
 use crate::pictures::film::Film;
 use crate::pictures::linear_image::Image;
-use crate::translation::device_scene::DeviceScene;
+use crate::pictures::runs::copy;
+use crate::translation::device_scene::{Boxed, DeviceScene};
 
 #[cfg(target_os = "linux")]
 const _: () = {
@@ -60,6 +70,7 @@ struct Hardware {
 struct Kernels {
     context: Arc<VulkanContext>,
     spirv: Spirv,
+    tracer: Tracer,
     /// Kernels of each variant, in the order of `Variant::ALL`.
     compiled: [Compiled; Variant::ALL.len()],
     store: Store,
@@ -76,36 +87,42 @@ struct Compiled {
 }
 
 impl VulkanDevice {
-    /// Opens `physical`. Compiled kernels are kept in `cache`, a folder that need not be there yet; software has general ones if
-    /// `general_in_software`.
+    /// Opens `physical`. Compiled kernels are kept in `cache`, a folder that need not be there yet; software has general ones
+    /// for simple scenes if `general_in_software`.
     ///
     /// # Errors
-    /// A [`DeviceError::Vulkan`] when the device cannot run the kernels, or a call of Vulkan fails.
+    /// A [`DeviceError::Vulkan`] when the device cannot run the kernels, or a call of Vulkan fails; a
+    /// [`DeviceError::NotFound`] when it lacks the hardware that `tracer` asks for.
     pub fn new(
         physical: &PhysicalDevice,
+        tracer: Tracer,
         cache: Option<&Path>,
         general_in_software: bool,
     ) -> Result<Self, DeviceError> {
         if let Some(newer) = &physical.outdated {
             return Err(VulkanError::Unfit { name: physical.name.clone(), missing: newer.clone() }.into());
         }
-        let device = Self::with_cache(
-            VulkanContext::new(physical)?,
-            &SPIRV,
-            cache,
-            general_in_software && physical.kind == DeviceKind::Software,
-        )?;
+        if tracer == Tracer::Hardware && !physical.has_ray_queries() {
+            return Err(DeviceError::NotFound(format!(
+                "{} does not trace rays by hardware (VK_KHR_ray_query): `--tracer auto` does without",
+                physical.name
+            )));
+        }
+        let open = if tracer.asks(physical) { VulkanContext::with_ray_queries } else { VulkanContext::new };
+        let general = general_in_software && physical.kind == DeviceKind::Software;
+        let device = Self::with_cache(open(physical)?, &SPIRV, tracer, cache, general)?;
         // A driver that refuses all kernels is refused at once. Others take seconds, and only scenes tell which are needed.
         device.hardware.kernels().pipeline(EntryPoint::Display, Variant::SIMPLE)?;
         Ok(device)
     }
 
-    /// Compiles other kernels of the same layout for an open device; they are not kept.
+    /// Compiles other kernels of the same layout for an open device; they are not kept. Hardware traces rays where the device was
+    /// opened so.
     ///
     /// # Errors
     /// A [`DeviceError::Vulkan`] when the driver refuses the kernels.
     pub fn with_kernels(context: Arc<VulkanContext>, spirv: &Spirv) -> Result<Self, DeviceError> {
-        let device = Self::with_cache(context, spirv, None, false)?;
+        let device = Self::with_cache(context, spirv, Tracer::Auto, None, false)?;
         // Kernels that the driver refuses are refused at once, and nobody waits for them later.
         device.hardware.kernels().pipeline(EntryPoint::Path, Variant::SIMPLE)?;
         Ok(device)
@@ -114,10 +131,11 @@ impl VulkanDevice {
     fn with_cache(
         context: Arc<VulkanContext>,
         spirv: &Spirv,
+        tracer: Tracer,
         cache: Option<&Path>,
         general: bool,
     ) -> Result<Self, DeviceError> {
-        let kernels = Mutex::new(Kernels::new(context, spirv, cache, general)?);
+        let kernels = Mutex::new(Kernels::new(context, spirv, tracer, cache, general)?);
         let cache = cache.map(Path::to_path_buf);
         Ok(Self { hardware: Arc::new(Hardware { kernels, cache, ahead: Ahead::default() }) })
     }
@@ -141,13 +159,14 @@ impl Hardware {
     fn renew(&self, lost: &Arc<Kernels>) -> Result<Arc<Kernels>, DeviceError> {
         let mut kernels = self.lock();
         if Arc::ptr_eq(&kernels, lost) {
-            *kernels = Kernels::new(lost.context.reopen()?, &lost.spirv, self.cache.as_deref(), lost.general)?;
+            let (tracer, cache) = (lost.tracer, self.cache.as_deref());
+            *kernels = Kernels::new(lost.context.reopen()?, &lost.spirv, tracer, cache, lost.general)?;
         }
         Ok(kernels.clone())
     }
 
     fn load(self: &Arc<Self>, kernels: Arc<Kernels>, scene: &DeviceScene) -> Result<Box<dyn Session>, DeviceError> {
-        let resident = kernels.upload(&scene.buffers, None)?;
+        let resident = kernels.upload(scene, None)?;
         let resting = kernels.resting(&[])?;
         let films = Films::new(kernels.film(&scene.work, &resting)?);
         let (work, integrator) = (scene.work, scene.settings.integrator);
@@ -163,6 +182,8 @@ impl Hardware {
             output: None,
             accepts_general: false,
             is_edited: false,
+            #[cfg(target_os = "linux")]
+            noiseless: None,
         }))
     }
 }
@@ -184,7 +205,7 @@ impl Device for VulkanDevice {
 
     fn compile_ahead(&self, scene: &DeviceScene, features: &[Feature]) {
         let kernels = self.hardware.kernels();
-        let variant = kernels.variant(&scene.buffers);
+        let variant = kernels.variant_of(scene);
         let special = kernels.specialization(&as_tried(&scene.buffers));
         let mut wanted: Vec<Kernel> = vec![];
         for feature in features {
@@ -210,11 +231,13 @@ impl Kernels {
     fn new(
         context: Arc<VulkanContext>,
         spirv: &Spirv,
+        tracer: Tracer,
         cache: Option<&Path>,
         general: bool,
     ) -> Result<Arc<Self>, DeviceError> {
         let store = Store::new(&context, spirv, cache)?;
-        Ok(Arc::new(Self { context, spirv: spirv.clone(), compiled: Default::default(), store, general }))
+        let compiled = Default::default();
+        Ok(Arc::new(Self { context, spirv: spirv.clone(), tracer, compiled, store, general }))
     }
 
     /// The kernels of `variant` and their layout. Layouts of variants that are not wide are one layout to Vulkan.
@@ -223,10 +246,11 @@ impl Kernels {
         if let Some(module) = place.get() {
             return Ok(module);
         }
-        let scene = if variant.wide { SetLayout::Addresses } else { SetLayout::Buffers(SCENE_BINDINGS.to_vec()) };
+        let lists = if variant.is_wide() { Lists::Addresses } else { Lists::Buffers(SCENE_BINDINGS.to_vec()) };
+        let scene = SetLayout { lists, structure: variant.structure_binding() };
         let mut sets = [scene.clone(), scene];
-        sets[BUFFER_SET as usize] =
-            SetLayout::Buffers(vec![FILM_BINDING, OUTPUT_BINDING, INPUT_BINDING, RESTING_BINDING]);
+        let written = Lists::Buffers(vec![FILM_BINDING, OUTPUT_BINDING, INPUT_BINDING, RESTING_BINDING]);
+        sets[BUFFER_SET as usize] = SetLayout { lists: written, structure: None };
         let module = Module::new(&self.context, self.spirv.code(variant), &sets, size_of::<Work>() as u32)?;
         Ok(place.get_or_init(|| module))
     }
@@ -258,16 +282,26 @@ impl Kernels {
         }
     }
 
-    /// Variant of the kernels that trace `scene`.
-    fn variant(&self, scene: &SceneBuffers) -> Variant {
+    /// Variant of the kernels that trace a scene of these lists.
+    fn variant(&self, lists: &SceneLists) -> Variant {
         let limit = self.context.max_binding_bytes();
         let is_long = |list: &BufferBytes| list.bytes.len() as u64 > limit;
-        Variant { simple: scene.is_simple(), wide: self.context.has_addresses() && scene.bytes().iter().any(is_long) }
+        let wide = self.context.has_addresses() && lists.bytes().iter().any(is_long);
+        Variant::new(lists.buffers.is_simple(), wide, lists.queries)
+    }
+
+    /// Variant of the kernels that will trace `scene`, as far as can be told before it is uploaded.
+    fn variant_of(&self, scene: &DeviceScene) -> Variant {
+        let lists = SceneLists::new(scene, self.context.has_ray_queries());
+        if lists.queries && self.room(&lists, Some(scene), None).is_ok() {
+            return self.variant(&lists);
+        }
+        self.variant(&SceneLists { queries: self.tracer == Tracer::Hardware, ..lists })
     }
 
     /// What the kernels that trace `scene` are specialised for.
     fn specialization(&self, scene: &SceneBuffers) -> Specialization {
-        if self.general { Specialization::GENERAL } else { Specialization::of(scene) }
+        if self.general && scene.is_simple() { Specialization::GENERAL } else { Specialization::of(scene) }
     }
 
     /// `kernel`, or while that is not compiled another that traces all that it does, if there is one.
@@ -285,30 +319,62 @@ impl Kernels {
 
     /// Descriptor set of what kernels write, and read besides the scene.
     fn bind(&self, buffers: &[(u32, Arc<Buffer>)]) -> Result<BindingSet, DeviceError> {
-        Ok(self.module(Variant::SIMPLE)?.bind(BUFFER_SET, buffers)?)
+        Ok(self.module(Variant::SIMPLE)?.bind(BUFFER_SET, buffers, None)?)
     }
 
-    /// Makes `scene` resident; what it shares with `old` is there already.
-    fn upload(&self, scene: &SceneBuffers, old: Option<&Resident>) -> Result<Resident, DeviceError> {
-        let scene = &as_tried(scene);
-        // `old` keeps its lists alive, so the same address is the same list.
-        let resident = |i: usize, list: &BufferBytes<'_>| {
-            let old = old.filter(|old| old.scene.bytes()[i].same(list))?;
-            Some(old.buffers[i].1.clone())
-        };
-        let lists = scene.bytes();
-        let kept: Vec<_> = lists.iter().enumerate().map(|(i, list)| resident(i, list)).collect();
-        let new = lists.iter().zip(&kept).filter(|(_, kept)| kept.is_none());
-        self.context.check_room("this scene", new.map(|(list, _)| list.bytes.len() as u64).sum())?;
+    /// Makes `scene` resident; what it shares with `old` is there already. Where hardware may trace its rays and what that takes
+    /// does not fit, software does, unless nobody wants it to.
+    fn upload(&self, scene: &DeviceScene, old: Option<&Resident>) -> Result<Resident, DeviceError> {
+        let with = |queries| self.upload_lists(SceneLists::new(scene, queries), Some(scene), old);
+        if self.context.has_ray_queries() {
+            match with(true) {
+                Err(error) if self.tracer != Tracer::Hardware && error.does_not_fit() => {}
+                made => return made,
+            }
+        }
+        with(false)
+    }
 
-        let buffers = SCENE_BINDINGS.iter().zip(lists).zip(kept).map(|((&binding, list), kept)| {
+    /// Makes `lists` resident, and structures of the scene that they are of where hardware asks for them.
+    fn upload_lists(
+        &self,
+        lists: SceneLists,
+        scene: Option<&DeviceScene>,
+        old: Option<&Resident>,
+    ) -> Result<Resident, DeviceError> {
+        self.context.check_room("this scene", self.room(&lists, scene, old)?)?;
+        let buffers = SCENE_BINDINGS.iter().zip(lists.bytes()).enumerate().map(|(place, (&binding, list))| {
             let upload = || Buffer::with_bytes(&self.context, list.name, list.bytes).map(Arc::new);
+            let kept = old.and_then(|old| old.buffer(place, &list));
             Ok((binding, kept.map_or_else(upload, Ok)?))
         });
         let buffers: Vec<_> = buffers.collect::<Result<_, DeviceError>>()?;
-        let variant = self.variant(scene);
-        let set = self.module(variant)?.bind(SCENE_SET, &buffers)?;
-        Ok(Resident { scene: scene.clone(), buffers, variant, special: self.specialization(scene), set })
+        let old = old.and_then(|old| old.structures.as_ref());
+        let structures = match scene.filter(|_| lists.queries) {
+            Some(scene) => Some(Structures::build(&self.context, scene, &buffers[lists.triangles()].1, old)?),
+            None => None,
+        };
+        let variant = self.variant(&lists);
+        let set = self.module(variant)?.bind(SCENE_SET, &buffers, structures.as_ref().map(Structures::scene))?;
+        let special = self.specialization(&lists.buffers);
+        Ok(Resident { lists, buffers, structures, variant, special, set })
+    }
+
+    /// Most bytes that `lists` and the structures of their scene take, but for what `old` has of them.
+    fn room(
+        &self,
+        lists: &SceneLists,
+        scene: Option<&DeviceScene>,
+        old: Option<&Resident>,
+    ) -> Result<u64, DeviceError> {
+        let bytes = lists.bytes();
+        let new = bytes.iter().enumerate().filter(|(i, list)| old.is_none_or(|old| old.buffer(*i, list).is_none()));
+        let of_lists: u64 = new.map(|(_, list)| list.bytes.len() as u64).sum();
+        let of_structures = match scene.filter(|_| lists.queries) {
+            Some(scene) => Structures::room(&self.context, scene, old.and_then(|old| old.structures.as_ref()))?,
+            None => 0,
+        };
+        Ok(of_lists + of_structures)
     }
 
     /// An empty film, in bands.
@@ -333,6 +399,19 @@ impl Kernels {
     /// Buffer of the bits of blocks that rest; kernels name it, so there has to be one, be it empty.
     fn resting(&self, words: &[u32]) -> Result<Arc<Buffer>, DeviceError> {
         Ok(Arc::new(Buffer::with_bytes(&self.context, "resting blocks", bytemuck::cast_slice(words))?))
+    }
+
+    /// Displays the film in `bands` as `work` says.
+    fn display(&self, work: &Work, bands: &[Band], output: &Output) -> Result<(), DeviceError> {
+        let pipeline = self.pipeline(EntryPoint::Display, Variant::SIMPLE)?;
+        Ok(self.context.run(|passes| {
+            for (band, set) in bands.iter().zip(&output.sets) {
+                let (first, rows) = (band.rows.start, band.rows.len() as u32);
+                let work = Work { band_row: first, first_row: first, rows, ..*work };
+                let groups = EntryPoint::Display.groups(&work);
+                passes.compute(&pipeline, &[set], bytemuck::bytes_of(&work), groups);
+            }
+        })?)
     }
 
     /// Room for displayable pixels, and the sets that display each band into it.
@@ -381,14 +460,63 @@ impl Kernel {
     }
 }
 
+/// Lists of a scene as kernels read them, which may be shared with other scenes.
+struct SceneLists {
+    buffers: SceneBuffers,
+    boxed: Arc<Boxed>,
+    /// Whether the kernels ask hardware: they know nothing of hierarchies then, but of boxes.
+    queries: bool,
+}
+
+impl SceneLists {
+    fn new(scene: &DeviceScene, queries: bool) -> Self {
+        Self { buffers: as_tried(&scene.buffers), boxed: scene.boxed().clone(), queries }
+    }
+
+    /// The lists in the order of [`SCENE_BINDINGS`].
+    fn bytes(&self) -> [BufferBytes<'_>; SCENE_BINDINGS.len()] {
+        let mut lists = self.buffers.bytes();
+        for list in lists.iter_mut().filter(|_| self.queries) {
+            match list.name {
+                // `boxed` in kernels/scene.slang.
+                "nodes" => {
+                    list.bytes = bytemuck::cast_slice(&self.boxed.places);
+                    list.count = self.boxed.places.len();
+                    list.stride = size_of::<u32>();
+                }
+                "mesh_nodes" => {
+                    list.bytes = &[];
+                    list.count = 0;
+                }
+                _ => {}
+            }
+        }
+        lists
+    }
+
+    /// Place of the list of triangles.
+    fn triangles(&self) -> usize {
+        self.buffers.bytes().iter().position(|list| list.name == "triangles").expect("scenes have one")
+    }
+}
+
 /// A scene on the device.
 struct Resident {
-    scene: SceneBuffers,
+    lists: SceneLists,
     /// Buffers of the scene, each with its binding.
     buffers: Vec<(u32, Arc<Buffer>)>,
+    /// Structures by which hardware traces its rays, if it does.
+    structures: Option<Structures>,
     variant: Variant,
     special: Specialization,
     set: BindingSet,
+}
+
+impl Resident {
+    /// Buffer of the list at `place`, if that is `list`: both are alive, so the same address is the same list.
+    fn buffer(&self, place: usize, list: &BufferBytes<'_>) -> Option<Arc<Buffer>> {
+        self.lists.bytes()[place].same(list).then(|| self.buffers[place].1.clone())
+    }
 }
 
 /// A run of rows of the film, in a buffer of its own.
@@ -420,6 +548,9 @@ struct VulkanSession {
     is_edited: bool,
     // The output is needed by who displays alone. It is bound to the film that is shown and to the reference.
     output: Option<Output>,
+    /// Images that a denoiser shares, once one has been asked, of the size of the film.
+    #[cfg(target_os = "linux")]
+    noiseless: Option<noiseless::Noiseless>,
 }
 
 impl VulkanSession {
@@ -558,10 +689,15 @@ impl Session for VulkanSession {
     }
 
     fn restart(&mut self, scene: &DeviceScene) -> Result<(), DeviceError> {
-        scene.buffers.check_after(&self.resident.scene)?;
-        self.is_edited |= !scene.buffers.is_view_of(&self.resident.scene);
-        self.resident = self.kernels.upload(&scene.buffers, Some(&self.resident))?;
+        scene.buffers.check_after(&self.resident.lists.buffers)?;
+        self.is_edited |= !scene.buffers.is_view_of(&self.resident.lists.buffers);
+        self.resident = self.kernels.upload(scene, Some(&self.resident))?;
         let same_size = (self.work.width, self.work.height) == (scene.work.width, scene.work.height);
+        #[cfg(target_os = "linux")]
+        match &mut self.noiseless {
+            Some(noiseless) if same_size => noiseless.begin_anew(),
+            noiseless => *noiseless = None,
+        }
         if same_size {
             let bands = self.films.iter().flatten();
             self.kernels.context.run(|passes| bands.for_each(|band| passes.clear(&band.film)))?;
@@ -583,10 +719,15 @@ impl Session for VulkanSession {
         // What was on the device before goes first, for two of each may be more than fits.
         let resting = kernels.resting(&[])?;
         (self.output, self.reference) = (None, None);
+        #[cfg(target_os = "linux")]
+        {
+            self.noiseless = None;
+        }
         self.films = Films::new(vec![]);
-        self.resident = kernels.upload(&SceneBuffers::default(), None)?;
+        let empty = SceneLists { buffers: SceneBuffers::default(), boxed: Arc::default(), queries: false };
+        self.resident = kernels.upload_lists(empty, None, None)?;
         (self.kernels, self.resting) = (kernels, resting);
-        self.resident = self.kernels.upload(&scene.buffers, None)?;
+        self.resident = self.kernels.upload(scene, None)?;
         self.films = Films::new(self.kernels.film(&scene.work, &self.resting)?);
         (self.work, self.integrator) = (scene.work, scene.settings.integrator);
         Ok("it was opened again".into())
@@ -594,6 +735,10 @@ impl Session for VulkanSession {
 
     fn may_be_lost(&self) -> bool {
         true
+    }
+
+    fn tracer(&self) -> Option<Tracer> {
+        Some(if self.resident.variant.has_queries() { Tracer::Hardware } else { Tracer::Software })
     }
 
     fn set_reference(&mut self, reference: Option<&Image>) -> Result<(), DeviceError> {
@@ -613,16 +758,13 @@ impl Session for VulkanSession {
             None => self.kernels.output(&self.work, self.films.shown(), self.reference.as_ref())?,
         };
         let work = display.apply(self.work, self.reference.is_some());
-        let pipeline = self.kernels.pipeline(EntryPoint::Display, Variant::SIMPLE)?;
-        self.kernels.context.run(|passes| {
-            for (band, set) in self.films.shown().iter().zip(&output.sets) {
-                let (first, rows) = (band.rows.start, band.rows.len() as u32);
-                let work = Work { band_row: first, first_row: first, rows, ..work };
-                let groups = EntryPoint::Display.groups(&work);
-                passes.compute(&pipeline, &[set], bytemuck::bytes_of(&work), groups);
-            }
-        })?;
+        self.kernels.display(&work, self.films.shown(), &output)?;
         Ok(Pixels::Device(self.output.insert(output).pixels.clone()))
+    }
+
+    #[cfg(target_os = "linux")]
+    fn denoise(&mut self, denoiser: &Denoiser, care: Care, display: Display) -> Result<Denoised, DeviceError> {
+        self.show_denoised(denoiser, care, display)
     }
 
     fn pixels(&self, columns: Range<u32>, y: u32) -> Result<Vec<FilmPixel>, DeviceError> {
@@ -640,7 +782,10 @@ impl Session for VulkanSession {
         let mut pixels = bytemuck::zeroed_vec::<FilmPixel>(width * self.work.height as usize);
         for band in self.films.shown() {
             let rows = band.rows.start as usize * width..band.rows.end as usize * width;
-            band.film.read_into(0, bytemuck::cast_slice_mut(&mut pixels[rows]))?;
+            let rows: &mut [u8] = bytemuck::cast_slice_mut(&mut pixels[rows]);
+            band.film.read_by(0..rows.len() as u64, |place, bytes| {
+                copy(&mut rows[place..][..bytes.len()], bytes);
+            })?;
         }
         Ok(Film::from_pixels(self.work.width, self.work.height, pixels))
     }
@@ -670,8 +815,8 @@ impl Session for VulkanSession {
         let set = self.kernels.bind(&[(INPUT_BINDING, input), (OUTPUT_BINDING, output.clone())])?;
         let sets = [&set, &self.resident.set];
         let groups = EntryPoint::Probe.groups(&work);
-        let Variant { simple, wide } = self.resident.variant;
-        let variant = Variant { simple: simple && !probe.is_full(), wide };
+        let variant = self.resident.variant;
+        let variant = if probe.is_full() { variant.full() } else { variant };
         let special = Specialization { probe: probe as u32, ..Specialization::GENERAL };
         let pipeline = self.kernels.get(Kernel { entry: EntryPoint::Probe, variant, special })?;
         context.run(|passes| passes.compute(&pipeline, &sets, bytemuck::bytes_of(&work), groups))?;

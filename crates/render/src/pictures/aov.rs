@@ -8,6 +8,7 @@ use raggio_kernels::{Feature, FilmPixel};
 
 use crate::devices::device::DeviceError;
 use crate::pictures::film::Film;
+use crate::pictures::runs::collect;
 use crate::renderer::Renderer;
 use crate::translation::device_scene::DeviceScene;
 
@@ -86,7 +87,7 @@ impl Aov {
 
     /// Channels of the layer, made from the film of radiance and from [`Features`] that hold its own.
     pub fn channels(self, radiance: &Film, features: &Features, scene: &DeviceScene) -> Vec<Channel> {
-        let whole = |of: &dyn Fn(usize) -> u32| Values::U32((0..radiance.pixels().len()).map(of).collect());
+        let whole = |of: &(dyn Fn(usize) -> u32 + Sync)| Values::U32(collect(radiance.pixels().len(), of));
         let number = |feature: Feature, i: usize| features.mean(feature, i)[0] as u32;
         match self {
             Self::Albedo => self.vector(["R", "G", "B"], features.vectors(Feature::Albedo)),
@@ -110,7 +111,12 @@ impl Aov {
             Self::Samples => vec![self.channel("N", whole(&|i| radiance.pixels()[i].samples))],
             Self::Variance => {
                 let variance = |pixel: &FilmPixel| pixel.luminance_error().map_or(f32::INFINITY, |e| (e * e) as f32);
-                vec![self.channel("Y", Values::F32(radiance.pixels().iter().map(variance).collect()))]
+                vec![
+                    self.channel(
+                        "Y",
+                        Values::F32(collect(radiance.pixels().len(), |i| variance(&radiance.pixels()[i]))),
+                    ),
+                ]
             }
         }
     }
@@ -196,7 +202,7 @@ impl Features {
     /// where several are seen.
     pub fn guide_normals(&self) -> Vec<[f32; 3]> {
         let normal = |i: usize| self.mean(Feature::GuideNormal, i).map(|encoded| (2.0 * encoded - 1.0) as f32);
-        (0..self.pixels()).map(normal).collect()
+        collect(self.pixels(), normal)
     }
 
     /// Mean normals of the first surfaces; 0 where there is none, and shorter than 1 where several are seen.
@@ -205,7 +211,7 @@ impl Features {
             let [coverage, ..] = self.mean(Feature::Hit, i);
             self.mean(Feature::Normal, i).map(|encoded| (2.0 * encoded - coverage) as f32)
         };
-        (0..self.pixels()).map(normal).collect()
+        collect(self.pixels(), normal)
     }
 
     /// Mean distances, as `feature` measures them, of what is covered in each pixel; infinite where nothing is.
@@ -214,7 +220,7 @@ impl Features {
             coverage if coverage > 0.0 => (self.mean(feature, i)[0] / coverage) as f32,
             _ => f32::INFINITY,
         };
-        (0..self.pixels()).map(distance).collect()
+        collect(self.pixels(), distance)
     }
 
     /// Mean positions of what is covered in each pixel; 0 where nothing is.
@@ -223,11 +229,11 @@ impl Features {
             coverage if coverage > 0.0 => self.mean(Feature::Position, i).map(|sum| (sum / coverage) as f32),
             _ => [0.0; 3],
         };
-        (0..self.pixels()).map(position).collect()
+        collect(self.pixels(), position)
     }
 
     fn vectors(&self, feature: Feature) -> Vec<[f32; 3]> {
-        (0..self.pixels()).map(|i| self.mean(feature, i).map(|channel| channel as f32)).collect()
+        collect(self.pixels(), |i| self.mean(feature, i).map(|channel| channel as f32))
     }
 
     fn mean(&self, feature: Feature, pixel: usize) -> [f64; 3] {

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use crate::pictures::film::Film;
 use crate::pictures::linear_image::Image;
+use crate::pictures::runs::collect;
 
 /// Displayable pixels, 0xAABBGGRR in sRGB, row by row from the top left.
 pub enum Pixels {
@@ -17,6 +18,16 @@ pub enum Pixels {
     Host(Vec<u32>),
     /// Pixels in the memory of the device that traced them.
     Device(Arc<Buffer>),
+}
+
+/// Picture without its noise, as far as there is one in the memory of the device that traced it.
+pub enum Denoised {
+    /// The denoiser does not work there: who wants the picture takes the way through the host.
+    Elsewhere,
+    /// A driver compiles the kernels that this takes.
+    NotYet,
+    /// Displayable pixels.
+    Shown(Pixels),
 }
 
 /// Settings by which a film becomes the colours of a screen or a PNG.
@@ -97,16 +108,16 @@ pub(crate) struct Shown<T> {
 /// A film's picture of 256 steps to a channel.
 pub(crate) fn shown(film: &Film, display: Display) -> Shown<u8> {
     let (film, alpha) = straight(film);
-    let color = |pixel: u32| [0, 8, 16].map(|shift| (pixel >> shift) as u8);
-    let colors = displayed(&film, display).into_iter().map(color).collect();
-    Shown { colors, alpha: alpha.map(|alpha| alpha.iter().map(|alpha| (alpha * 255.0).round() as u8).collect()) }
+    let pixels = displayed(&film, display);
+    let colors = collect(pixels.len(), |i| [0, 8, 16].map(|shift| (pixels[i] >> shift) as u8));
+    Shown { colors, alpha: alpha.map(|alpha| collect(alpha.len(), |i| (alpha[i] * 255.0).round() as u8)) }
 }
 
 impl<T: Copy> Shown<T> {
     /// Red, green, blue and, where there is one, alpha of each pixel.
-    pub fn values(&self) -> Vec<T> {
+    pub fn values(&self) -> Cow<'_, [T]> {
         match &self.alpha {
-            None => self.colors.as_flattened().to_vec(),
+            None => Cow::Borrowed(self.colors.as_flattened()),
             Some(alpha) => self.colors.iter().zip(alpha).flat_map(|(&[r, g, b], alpha)| [r, g, b, *alpha]).collect(),
         }
     }
@@ -114,7 +125,7 @@ impl<T: Copy> Shown<T> {
 
 /// A picture as bytes of sRGB: red, green, blue and, where it has one, alpha of each pixel, row by row from the top left.
 pub fn show_bytes(image: &Image, display: Display) -> Vec<u8> {
-    shown(&Film::from_image(image), Display { view: View::Radiance, ..display }).values()
+    shown(&Film::from_image(image), Display { view: View::Radiance, ..display }).values().into_owned()
 }
 
 /// A film's picture of 65536 steps to a channel.
@@ -139,10 +150,11 @@ pub fn show_image(image: &Image, display: Display) -> Pixels {
 
 /// Runs the display kernel over a whole film, some rows at a time to keep the copies small, on all threads.
 pub(crate) fn displayed(film: &Film, display: Display) -> Vec<u32> {
-    const ROWS: usize = 64;
+    // The copies stay in a core's own cache.
+    const ROWS: usize = 4;
     let set = InstructionSet::best().unwrap_or(InstructionSet::Baseline);
     let tile = ROWS * film.width() as usize;
-    let mut output = vec![0; film.pixels().len()];
+    let mut output = bytemuck::zeroed_vec(film.pixels().len());
     film.pixels().par_chunks(tile).zip(output.par_chunks_mut(tile)).for_each(|(pixels, output)| {
         display_rows(&mut pixels.to_vec(), &[], film.width(), display, set, output);
     });
@@ -154,8 +166,8 @@ pub(crate) fn displayed(film: &Film, display: Display) -> Vec<u32> {
 pub(crate) fn displayed_16_bits(film: &Film, display: Display) -> Vec<[u16; 3]> {
     const PIXELS: usize = 1 << 14;
     if display.view != View::Radiance {
-        let widened = |pixel: u32| [0, 8, 16].map(|shift| (pixel >> shift & 0xff) as u16 * 0x101);
-        return displayed(film, display).into_iter().map(widened).collect();
+        let pixels = displayed(film, display);
+        return collect(pixels.len(), |i| [0, 8, 16].map(|shift| (pixels[i] >> shift & 0xff) as u16 * 0x101));
     }
     let set = InstructionSet::best().unwrap_or(InstructionSet::Baseline);
     let brightening = display.exposure.exp2();

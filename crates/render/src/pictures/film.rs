@@ -2,10 +2,16 @@
 
 mod file;
 mod label;
+mod totals;
+
+use std::ops::Range;
 
 use raggio_kernels::{FilmPixel, FixedSum};
 
 use crate::pictures::linear_image::Image;
+use crate::pictures::runs::{collect, fill, in_runs};
+
+use totals::{Known, Totals};
 
 pub use file::FilmError;
 pub(crate) use label::Note;
@@ -23,6 +29,7 @@ pub struct Film {
     pixels: Vec<FilmPixel>,
     label: Option<Label>,
     coverage: Option<Box<Film>>,
+    known: Known,
 }
 
 /// Memory that the film of an image takes, in bytes.
@@ -33,7 +40,8 @@ pub fn film_bytes(width: u32, height: u32) -> u64 {
 impl Film {
     /// Film of `width` x `height` pixels without samples and without a label.
     pub fn new(width: u32, height: u32) -> Self {
-        Self::from_pixels(width, height, vec![FilmPixel::default(); width as usize * height as usize])
+        // Memory that the system gives zeroed is touched by those alone who add samples.
+        Self::from_pixels(width, height, bytemuck::zeroed_vec(width as usize * height as usize))
     }
 
     /// Film of the sums that a device has accumulated, row by row from the top left; without a label.
@@ -42,7 +50,7 @@ impl Film {
     /// A panic unless there are `width` times `height` pixels.
     pub fn from_pixels(width: u32, height: u32, pixels: Vec<FilmPixel>) -> Self {
         assert_eq!(pixels.len(), width as usize * height as usize);
-        Self { width, height, pixels, label: None, coverage: None }
+        Self { width, height, pixels, label: None, coverage: None, known: Known::default() }
     }
 
     /// Film that shows `image`: a sample a pixel; without a label.
@@ -51,7 +59,8 @@ impl Film {
             let [red, green, blue] = rgb.map(|channel| FixedSum::of(f64::from(channel)));
             FilmPixel { red, green, blue, samples: 1, ..FilmPixel::default() }
         };
-        let film = Self::from_pixels(image.width, image.height, image.pixels.iter().map(pixel).collect());
+        let pixels = collect(image.pixels.len(), |i| pixel(&image.pixels[i]));
+        let film = Self::from_pixels(image.width, image.height, pixels);
         let covered = |alpha: &f32| pixel(&[*alpha, 1.0, 0.0]);
         let coverage = image.alpha.as_ref().map(|alpha| alpha.iter().map(covered).collect());
         film.with_coverage(coverage.map(|pixels| Self::from_pixels(image.width, image.height, pixels)))
@@ -87,7 +96,8 @@ impl Film {
             [covered, all, _] if all != 0.0 => (covered / all).clamp(0.0, 1.0) as f32,
             [covered, ..] => covered.clamp(0.0, 1.0) as f32,
         };
-        self.coverage.as_ref().map(|coverage| coverage.pixels.iter().map(alpha).collect())
+        let coverage = self.coverage.as_ref()?;
+        Some(collect(coverage.pixels.len(), |i| alpha(&coverage.pixels[i])))
     }
 
     /// The film with `label`, which says what it is of.
@@ -126,6 +136,7 @@ impl Film {
     }
 
     pub(crate) fn pixels_mut(&mut self) -> &mut [FilmPixel] {
+        self.known = Known::default();
         &mut self.pixels
     }
 
@@ -144,9 +155,9 @@ impl Film {
             (None, None) => {}
             _ => return Err(MergeError::Unlabelled),
         }
-        for (into, from) in self.pixels.iter_mut().zip(&other.pixels) {
-            into.merge(from);
-        }
+        fill(self.pixels_mut(), |first, run| {
+            run.iter_mut().zip(&other.pixels[first..]).for_each(|(into, from)| into.merge(from));
+        });
         match (&mut self.coverage, &other.coverage) {
             (Some(coverage), Some(other)) => coverage.merge(other)?,
             _ => self.coverage = None,
@@ -156,41 +167,50 @@ impl Film {
 
     /// Mean radiance of each pixel, with its alpha if it has one; black where there is no sample.
     pub fn mean(&self) -> Image {
-        let pixels = self.pixels.iter().map(|pixel| pixel.mean().map(|channel| channel as f32)).collect();
+        let mean = |i: usize| self.pixels[i].mean().map(|channel| channel as f32);
+        let pixels = collect(self.pixels.len(), mean);
         Image { width: self.width, height: self.height, pixels, alpha: self.alpha() }
+    }
+
+    fn totals(&self) -> &Totals {
+        self.known.of(&self.pixels)
     }
 
     /// Number of samples in all pixels together.
     pub fn samples(&self) -> u64 {
-        self.pixels.iter().map(|p| u64::from(p.samples)).sum()
+        self.totals().samples
     }
 
     /// Fewest and most samples of any pixel, those left out included.
     pub fn sample_range(&self) -> (u32, u32) {
-        let taken = |pixel: &FilmPixel| pixel.samples + pixel.rejected;
-        let range = self.pixels.iter().map(taken).fold((u32::MAX, 0), |(low, high), n| (low.min(n), high.max(n)));
-        (range.0.min(range.1), range.1)
+        let totals = self.totals();
+        (totals.fewest_taken.min(totals.most_taken), totals.most_taken)
     }
 
     /// Most samples that any pixel has.
     pub fn most_samples(&self) -> u32 {
-        self.pixels.iter().map(|pixel| pixel.samples).max().unwrap_or(0)
+        self.totals().most_samples
     }
 
     /// Number of samples that were left out because they had no value that can be added up.
     pub fn rejected(&self) -> u64 {
-        self.pixels.iter().map(|p| u64::from(p.rejected)).sum()
+        self.totals().rejected
     }
 
     /// Share of the luminance that clamping took off, 0 to 1.
     pub fn clamped_share(&self) -> f64 {
-        let clamped: f64 = self.pixels.iter().map(|p| p.clamped.value()).sum();
-        let kept: f64 = self.pixels.iter().map(|p| p.luminance() * f64::from(p.samples)).sum();
-        if clamped > 0.0 { clamped / (kept + clamped) } else { 0.0 }
+        let clamped = self.totals().clamped;
+        if clamped <= 0.0 {
+            return 0.0;
+        }
+        let luminance = |pixel: &FilmPixel| pixel.luminance() * f64::from(pixel.samples);
+        let run = |run: Range<usize>| self.pixels[run].iter().map(luminance).sum::<f64>();
+        let kept: f64 = in_runs(self.pixels.len(), run).into_iter().sum();
+        clamped / (kept + clamped)
     }
 
     /// Number of rays traced; exact as long as each pixel took fewer than 2^32.
     pub fn rays(&self) -> u64 {
-        self.pixels.iter().map(|p| u64::from(p.rays)).sum()
+        self.totals().rays
     }
 }

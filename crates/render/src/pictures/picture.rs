@@ -1,7 +1,9 @@
 //! A picture as it comes out of a render.
 
-use raggio_denoise::{DenoiseError, Denoiser, Noisy};
+use raggio_denoise::{DenoiseError, Denoiser, Gpu, Noisy};
+use raggio_vulkan::DeviceKind;
 
+use crate::devices::device::Device;
 use crate::pictures::display::Display;
 use crate::pictures::film::Film;
 use crate::pictures::image_file::{Extras, ImageFile, OutputError};
@@ -26,6 +28,14 @@ pub(crate) struct Guides {
     pub albedos: Vec<[f32; 3]>,
     /// Normals, 0 where there is no surface.
     pub normals: Vec<[f32; 3]>,
+}
+
+/// GPU of `device`, for denoisers to [prefer](Denoiser::prefer), if that is one.
+pub fn gpu_of(device: &dyn Device) -> Option<Gpu> {
+    let vulkan = device.vulkan()?;
+    let physical = vulkan.physical();
+    let is_gpu = physical.kind != DeviceKind::Software;
+    is_gpu.then(|| Gpu { name: physical.name.clone(), uuid: physical.uuid, luid: physical.luid })
 }
 
 impl Picture {

@@ -6,6 +6,7 @@ use png::{BitDepth, ColorType, Compression, Encoder, Filter, SrgbRenderingIntent
 use raggio_choice::choice;
 
 use crate::pictures::display::Shown;
+use crate::pictures::runs::collect;
 
 choice! {
     /// Bits of each channel of a PNG.
@@ -27,7 +28,7 @@ pub(crate) fn encode_8_bits(
     text: Option<PngText>,
     to: &mut impl Write,
 ) -> io::Result<()> {
-    encode(size, BitDepth::Eight, shown, |value| [value], text, to)
+    encode(size, BitDepth::Eight, shown.alpha.is_some(), &shown.values(), text, to)
 }
 
 /// Writes a PNG of 16 bits, row by row from the top left.
@@ -37,19 +38,21 @@ pub(crate) fn encode_16_bits(
     text: Option<PngText>,
     to: &mut impl Write,
 ) -> io::Result<()> {
-    encode(size, BitDepth::Sixteen, shown, u16::to_be_bytes, text, to)
+    let values = shown.values();
+    let bytes = collect(values.len(), |i| values[i].to_be_bytes());
+    encode(size, BitDepth::Sixteen, shown.alpha.is_some(), bytes.as_flattened(), text, to)
 }
 
-fn encode<T: Copy, const BYTES: usize>(
+fn encode(
     [width, height]: [u32; 2],
     depth: BitDepth,
-    shown: &Shown<T>,
-    bytes: impl Fn(T) -> [u8; BYTES],
+    has_alpha: bool,
+    data: &[u8],
     text: Option<PngText>,
     to: &mut impl Write,
 ) -> io::Result<()> {
     let mut encoder = Encoder::new(to, width, height);
-    encoder.set_color(if shown.alpha.is_some() { ColorType::Rgba } else { ColorType::Rgb });
+    encoder.set_color(if has_alpha { ColorType::Rgba } else { ColorType::Rgb });
     encoder.set_depth(depth);
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
     // The noise of pictures hardly becomes smaller by more work: see docs/performance.md.
@@ -58,8 +61,7 @@ fn encode<T: Copy, const BYTES: usize>(
     if let Some((name, text)) = text {
         encoder.add_text_chunk(name.into(), text.into())?;
     }
-    let data: Vec<u8> = shown.values().into_iter().flat_map(bytes).collect();
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&data)?;
+    writer.write_image_data(data)?;
     Ok(writer.finish()?)
 }

@@ -80,7 +80,9 @@ impl Rendering {
         if self.safety.is_lost {
             return Err(DeviceError::Host("the device was lost, and its film with it".into()));
         }
-        let mut gathered = self.renderer.gather()?;
+        // What may be lost may be asked again.
+        let takes = self.is_last && !self.renderer.session().may_be_lost();
+        let mut gathered = self.renderer.gather(takes)?;
         gathered.notes = self.metadata.notes();
         gathered.state.spent = self.spent;
         Ok(gathered)

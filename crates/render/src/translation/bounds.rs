@@ -26,6 +26,13 @@ pub(crate) fn shape_bounds(geometry: &Geometry, mesh_bounds: impl FnOnce(&Arc<Me
             let zero = DVec3::ZERO;
             (a + u.min(zero) + v.min(zero), a + u.max(zero) + v.max(zero))
         }
+        Geometry::Disk { center, normal, radius } => {
+            let reach = f64::from(*radius) * across(normal.as_dvec3());
+            (center.as_dvec3() - reach, center.as_dvec3() + reach)
+        }
+        // The shape is the hull of its two circles.
+        Geometry::Cylinder { base, top, radius, .. } => hull([(*base, *radius), (*top, *radius)]),
+        Geometry::Cone { base, top, radius, top_radius, .. } => hull([(*base, *radius), (*top, *top_radius)]),
         Geometry::Box { center, size, rotation_degrees } => {
             let axes = rotation(*rotation_degrees);
             let half = size.as_dvec3() * 0.5;
@@ -46,6 +53,22 @@ pub(crate) fn shape_bounds(geometry: &Geometry, mesh_bounds: impl FnOnce(&Arc<Me
     // Positions are rounded by the kernels in proportion to the largest number involved.
     let room = DVec3::splat(rounding * lower.abs().max(upper.abs()).max_element());
     Some(Bounds((lower - room).as_vec3(), (upper + room).as_vec3()))
+}
+
+/// Reach of a unit circle around the unit vector `axis` along x, y and z: the sine of the axis' angle with each, of the other
+/// components, for one near 1 says nothing of it.
+fn across(axis: DVec3) -> DVec3 {
+    let [x, y, z] = axis.to_array();
+    DVec3::new(y.hypot(z), z.hypot(x), x.hypot(y))
+}
+
+/// Box around two circles, each with its centre and its radius, around the axis between these.
+fn hull(circles: [(Vec3, f32); 2]) -> (DVec3, DVec3) {
+    let [base, top] = circles.map(|(center, _)| center.as_dvec3());
+    let across = across((top - base).normalize());
+    let boxes = circles.map(|(center, radius)| (center.as_dvec3(), f64::from(radius) * across));
+    let [(a, b), (c, d)] = boxes.map(|(center, reach)| (center - reach, center + reach));
+    (a.min(c), b.max(d))
 }
 
 /// Box around all vertices of `mesh` that a triangle uses.

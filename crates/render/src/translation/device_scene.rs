@@ -5,12 +5,13 @@ mod materials;
 mod shapes;
 
 use std::collections::HashSet;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::Vec3;
 use raggio_kernels::{
     BvhNode, CameraMedium, Light as DeviceLight, LightKind as DeviceLightKind, MAX_NESTED_MEDIA, Motion, NO_TEXTURE,
-    PixelFilter, SceneBuffers, SceneCounts, Sequence, Sky, Work,
+    PixelFilter, SHEETS, SceneBuffers, SceneCounts, Sequence, ShapeKind, Sky, Work,
 };
 use raggio_scene::{
     Environment, Filter, Geometry, Light, LightKind, Mesh, RenderSettings, Sampler, Scene, Texture, Wrap,
@@ -23,7 +24,7 @@ use crate::translation::device_scene::materials::{Materials, is_clear};
 use crate::translation::device_scene::shapes::Shapes;
 use crate::translation::error::TranslationError;
 use crate::translation::filters::filter_table;
-use crate::translation::hierarchy::{Bounds, Hierarchy, moved};
+use crate::translation::hierarchy::{Bounds, Hierarchy, moved, room};
 use crate::translation::lights::Lights;
 use crate::translation::media::{Body, media_around};
 use crate::translation::meshes::Meshes;
@@ -41,9 +42,19 @@ pub struct DeviceScene {
     pub settings: RenderSettings,
     /// Index in the scene of the shape at each place of `buffers.order`.
     pub shape_of_place: Vec<u32>,
+    boxed: Arc<Boxed>,
     meshes: Meshes,
     textures: TextureTable,
     lights: Lights,
+}
+
+/// Shapes in which hardware that traces rays lets kernels look for surfaces: all that have bounds and are no meshes.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct Boxed {
+    /// Places in `buffers.order`.
+    pub places: Vec<u32>,
+    /// Lower and upper corners of boxes around them, as much larger as the boxes of hierarchies are.
+    pub boxes: Vec<[[f32; 3]; 2]>,
 }
 
 /// Rays along a path whose number is not limited: what is still left after so many is lost.
@@ -60,6 +71,7 @@ impl DeviceScene {
             work: Work::default(),
             settings: RenderSettings::default(),
             shape_of_place: vec![],
+            boxed: Arc::default(),
             meshes: Meshes::default(),
             textures: TextureTable::default(),
             lights: Lights::default(),
@@ -79,14 +91,16 @@ impl DeviceScene {
         self.meshes.share(&mut self.buffers);
         self.textures.begin();
         self.buffers.constants_mut().sky = device_sky(&scene.environment, &mut self.textures)?;
-        let materials = Materials::new(&scene.materials, &mut self.textures)?;
-        let absorbing = materials.absorbing();
+        let materials = Materials::new(&scene.materials, scene.air.as_ref(), &mut self.textures)?;
+        let properties = [materials.absorbing(), materials.scattering(), materials.seamless()];
         self.buffers.materials = materials.materials.into();
         self.buffers.principled = materials.principled.into();
         (self.buffers.textures, self.buffers.texels) = self.textures.finish();
         self.buffers.albedos = albedos();
         self.buffers.motion = vec![Motion::default()].into();
-        self.buffers.lights = Arc::new(scene.lights.iter().map(device_light).collect());
+        let (suns, points) = lights(&scene.lights);
+        let (sun_count, point_count) = (suns.len() as u32, points.len() as u32);
+        self.buffers.lights = Arc::new([points, suns].concat());
         let mut shapes = Shapes::new(&scene.materials);
         let references: Vec<_> = scene.shapes.iter().map(|shape| shapes.add(shape, &self.meshes)).collect();
         shapes.share(&mut self.buffers);
@@ -94,9 +108,11 @@ impl DeviceScene {
         let boxes: Vec<_> = scene.shapes.iter().map(|shape| self.bounds(&shape.geometry)).collect();
         self.arrange(&boxes, &old.nodes);
         self.buffers.order = Arc::new(self.shape_of_place.iter().map(|&i| references[i as usize]).collect());
+        self.boxed = Arc::new(self.boxes_without_meshes(&boxes));
         let counts = &mut self.buffers.constants_mut().counts;
-        counts.lights = scene.lights.len() as u32;
-        counts.absorbing = u32::from(absorbing);
+        counts.lights = point_count;
+        counts.suns = sun_count;
+        [counts.absorbing, counts.scattering, counts.seamless] = properties.map(u32::from);
         counts.clear = u32::from(scene.materials.iter().any(is_clear));
         self.lights.share(&mut self.buffers);
         self.set_view(scene)
@@ -135,6 +151,30 @@ impl DeviceScene {
         let [shapes, unbounded, nodes] = [boxes.len(), unbounded.len(), self.buffers.nodes.len()].map(|n| n as u32);
         self.buffers.constants_mut().counts =
             SceneCounts { shapes, unbounded, tried: unbounded, nodes, ..SceneCounts::default() };
+    }
+
+    /// Bounded shapes that are no meshes.
+    fn boxes_without_meshes(&self, boxes: &[Option<Bounds>]) -> Boxed {
+        let all = boxes.iter().copied().flatten().fold(Bounds::EMPTY, Bounds::union);
+        let places = self.shape_of_place.iter().zip(&*self.buffers.order).zip(0..);
+        let boxed = places.filter_map(|((&shape, reference), place)| {
+            let Bounds(lower, upper) =
+                boxes[shape as usize].filter(|_| reference.kind != ShapeKind::Instance as u32)?;
+            let room = Vec3::from(room(all));
+            Some((place, [lower - room, upper + room].map(|corner| corner.to_array())))
+        });
+        let (places, boxes) = boxed.unzip();
+        Boxed { places, boxes }
+    }
+
+    /// Bounded shapes that are no meshes.
+    pub(crate) fn boxed(&self) -> &Arc<Boxed> {
+        &self.boxed
+    }
+
+    /// The meshes, in the order of `buffers.meshes`.
+    pub(crate) fn meshes(&self) -> impl ExactSizeIterator<Item = &Arc<Mesh>> {
+        self.meshes.iter()
     }
 
     /// Looks at the same scene from another camera, or with other settings: `scene` differs from the one this was made
@@ -183,16 +223,19 @@ fn meshes_of(scene: &Scene) -> Vec<Arc<Mesh>> {
     meshes.filter(|mesh| known.insert(Arc::as_ptr(mesh))).cloned().collect()
 }
 
-/// The dielectric bodies around the camera, outermost first.
+/// The bodies around the camera, outermost first: the air is one.
 fn camera_media(scene: &Scene, shape_of_place: &[u32]) -> Result<Vec<CameraMedium>, TranslationError> {
     let around = media_around(scene);
-    let (found, limit) = (around.len(), MAX_NESTED_MEDIA as usize);
+    // The last material is that of the air.
+    let air = scene.air.map(|_| scene.materials.len() as u32);
+    let air = air.map(|material| CameraMedium { shape: SHEETS | material, material });
+    let (found, limit) = (around.len() + usize::from(air.is_some()), MAX_NESTED_MEDIA as usize);
     if found > limit {
         return Err(TranslationError::TooManyMedia { found, limit });
     }
     let place = |shape: u32| shape_of_place.iter().position(|s| *s == shape).unwrap_or_default() as u32;
     let medium = |body: &Body| CameraMedium { shape: place(body.shape), material: body.material as u32 };
-    Ok(around.iter().map(medium).collect())
+    Ok(air.into_iter().chain(around.iter().map(medium)).collect())
 }
 
 fn work(render: &RenderSettings) -> Work {
@@ -240,11 +283,28 @@ fn device_sky(environment: &Environment, textures: &mut TextureTable) -> Result<
     })
 }
 
+/// Suns that shine, and lights without size.
+fn lights(lights: &[Light]) -> (Vec<DeviceLight>, Vec<DeviceLight>) {
+    let lights = lights.iter().map(device_light);
+    let is_sun = |light: &DeviceLight| light.kind == DeviceLightKind::Sun as u32;
+    let (suns, points): (Vec<_>, Vec<_>) = lights.partition(is_sun);
+    // Each sun has its emitter, which a light of no power has not.
+    (suns.into_iter().filter(|sun| sun.intensity != [0.0; 3]).collect(), points)
+}
+
 fn device_light(light: &Light) -> DeviceLight {
     // KHR_lights_punctual: how a spot fades between its two angles.
+    let mut intensity = light.intensity;
     let (kind, angle_scale, angle_offset) = match light.kind {
         LightKind::Directional => (DeviceLightKind::Directional, 0.0, 1.0),
         LightKind::Point => (DeviceLightKind::Point, 0.0, 1.0),
+        LightKind::Sun { half_angle } => {
+            let half_angle = f64::from(half_angle);
+            // A disk of the radiance 1 causes the irradiance pi sin^2 on what faces it.
+            let disk = PI * half_angle.sin().powi(2);
+            intensity = intensity.map(|component| (f64::from(component) / disk) as f32);
+            (DeviceLightKind::Sun, 0.0, (2.0 * (0.5 * half_angle).sin().powi(2)) as f32)
+        }
         LightKind::Spot { inner, outer } => {
             let (inner, outer) = (f64::from(inner).cos(), f64::from(outer).cos());
             // Equal angles are a hard edge.
@@ -257,7 +317,7 @@ fn device_light(light: &Light) -> DeviceLight {
         kind: kind as u32,
         direction: light.direction.as_vec3().to_array(),
         angle_scale,
-        intensity: light.intensity,
+        intensity,
         angle_offset,
     }
 }

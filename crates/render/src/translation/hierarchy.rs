@@ -4,7 +4,7 @@ mod nodes;
 mod parts;
 mod splits;
 
-pub(crate) use nodes::moved;
+pub(crate) use nodes::{moved, room};
 
 use glam::{Vec3, Vec3A};
 use obvhs::Boundable;
@@ -26,7 +26,7 @@ const REINSERTED: f32 = 0.02;
 const LEAST_REINSERTED: f32 = 128.0;
 
 /// Least number of shapes whose hierarchy is refitted: fewer are built anew within a millisecond or so.
-const WORTH_REFITTING: usize = 4096;
+pub(crate) const WORTH_REFITTING: usize = 4096;
 /// Factor by which a refitted hierarchy may cost more than before; at more it is built anew.
 const WORN_OUT: f64 = 1.5;
 

@@ -36,7 +36,8 @@ impl Lights {
     /// Completes the buffers of a scene, in which everything else is in place.
     pub fn share(&mut self, buffers: &mut SceneBuffers) {
         let mut listed = emitters::surfaces(buffers, MOST_EMITTERS);
-        emitters::without_size(buffers, &mut listed);
+        // Suns are the last of the lights.
+        emitters::lights(buffers, &mut listed);
         let Listed { mut emitters, mut bounds } = listed;
         let sky_emitter = emitters.len() as u32;
         let sky_power = self.share_sky(buffers);
@@ -57,6 +58,7 @@ impl Lights {
         let counts = &mut buffers.constants_mut().counts;
         counts.emitters = emitters.len() as u32;
         counts.sky_emitter = if sky_power > 0.0 { sky_emitter } else { NONE };
+        counts.first_sun_emitter = if counts.suns > 0 { sky_emitter - counts.suns } else { NONE };
         buffers.emitters = emitters.into();
         buffers.light_nodes = self.nodes.clone();
     }

@@ -1,6 +1,6 @@
 //! Media around the camera: the dielectric bodies that it is inside of.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec3};
 use raggio_scene::{Geometry, Scene, Shape, rotation};
 
 /// A dielectric body: the part of a shape that is of one material.
@@ -54,7 +54,13 @@ fn way_out(shape: &Shape, material: usize, point: DVec3, direction: DVec3) -> Op
             (below > 0.0).then(|| if rise > 0.0 { below / rise } else { f64::INFINITY })
         }
         // A sheet has no inside.
-        Geometry::Rectangle { .. } => None,
+        Geometry::Rectangle { .. } | Geometry::Disk { .. } => None,
+        Geometry::Cylinder { base, top, radius, capped } => {
+            way_out_of_cone([*base, *top], [*radius; 2], *capped, point, direction)
+        }
+        Geometry::Cone { base, top, radius, top_radius, capped } => {
+            way_out_of_cone([*base, *top], [*radius, *top_radius], *capped, point, direction)
+        }
         Geometry::Box { center, size, rotation_degrees } => {
             let box_from_world = rotation(*rotation_degrees).transpose();
             let local = box_from_world * (point - center.as_dvec3());
@@ -70,6 +76,33 @@ fn way_out(shape: &Shape, material: usize, point: DVec3, direction: DVec3) -> Op
             way_out_of_mesh(&mesh.positions, triangles, world_from_mesh, point, direction)
         }
     }
+}
+
+/// Distance to where one leaves what lies between two circles around the axis between these centres, if disks close it.
+fn way_out_of_cone(centers: [Vec3; 2], radii: [f32; 2], capped: bool, point: DVec3, direction: DVec3) -> Option<f64> {
+    let [base, top] = centers.map(|center| center.as_dvec3());
+    let [radius, top_radius] = radii.map(f64::from);
+    let height = (top - base).length();
+    let axis = (top - base) / height;
+    let slope = (top_radius - radius) / height;
+    let from = point - base;
+    let (z, rise) = (from.dot(axis), direction.dot(axis));
+    let (across, drift) = (from - z * axis, direction - rise * axis);
+    let width = radius + slope * z;
+    if !capped || z <= 0.0 || z >= height || across.length() >= width {
+        return None;
+    }
+    let ends = if rise == 0.0 { f64::INFINITY } else { (if rise > 0.0 { height - z } else { -z }) / rise };
+    // The side is where a t^2 + 2 b t + c = 0; inside c is negative, and the first root ahead is the way out.
+    let growth = slope * rise;
+    let a = drift.length_squared() - growth * growth;
+    let b = drift.dot(across) - growth * width;
+    let c = across.length_squared() - width * width;
+    let root = (b * b - a * c).max(0.0).sqrt();
+    let ahead = [(-b + root) / a, (-b - root) / a, -0.5 * c / b].into_iter().filter(|t| t.is_finite() && *t > 0.0);
+    // Where a is not 0 the last of these is no root.
+    let side = ahead.take(if a == 0.0 { 3 } else { 2 }).fold(f64::INFINITY, f64::min);
+    Some(side.min(ends))
 }
 
 /// Distance to where one leaves a body of triangles, by the parity of the surfaces ahead: a closed mesh is left once
@@ -101,7 +134,6 @@ fn way_out_of_mesh<'a>(
 mod tests {
     use std::sync::Arc;
 
-    use glam::Vec3;
     use raggio_scene::{Material, Mesh, Part, Principled};
 
     use super::*;

@@ -70,6 +70,11 @@ impl Meshes {
         self.known[place].bounds
     }
 
+    /// The meshes, in the order of the scene's list.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &Arc<Mesh>> {
+        self.known.iter().map(|known| &known.mesh)
+    }
+
     /// Puts the lists among those of a scene.
     pub fn share(&self, buffers: &mut SceneBuffers) {
         buffers.mesh_nodes = self.nodes.clone();

@@ -96,6 +96,11 @@ fn before_from_now(now: &Geometry, before: &Geometry) -> Option<DAffine3> {
             let about = |center: &Vec3| DAffine3::from_translation(center.as_dvec3());
             return Some(about(point_before) * DAffine3::from_quat(turn) * about(point).inverse());
         }
+        (Geometry::Disk { .. }, Geometry::Disk { .. })
+        | (Geometry::Cylinder { .. }, Geometry::Cylinder { .. })
+        | (Geometry::Cone { .. }, Geometry::Cone { .. }) => {
+            return Some(Round::of(now)?.before_from(&Round::of(before)?));
+        }
         (Geometry::Mesh { world_from_mesh: now, .. }, Geometry::Mesh { world_from_mesh: before, .. }) => {
             [*now, *before]
         }
@@ -120,6 +125,49 @@ fn placed(geometry: &Geometry) -> Option<DAffine3> {
         }
         _ => return None,
     })
+}
+
+/// A disk, a cylinder or a cone: all that tells two of a kind apart, but for how pointed a cone is.
+#[derive(PartialEq)]
+struct Round {
+    base: DVec3,
+    /// Axis, unit.
+    axis: DVec3,
+    height: f64,
+    radius: f64,
+}
+
+impl Round {
+    fn of(geometry: &Geometry) -> Option<Self> {
+        Some(match geometry {
+            Geometry::Disk { center, normal, radius } => Self {
+                base: center.as_dvec3(),
+                axis: normal.as_dvec3().normalize(),
+                height: 1.0,
+                radius: (*radius).into(),
+            },
+            Geometry::Cylinder { base, top, radius, .. } | Geometry::Cone { base, top, radius, .. } => {
+                let base = base.as_dvec3();
+                let way = top.as_dvec3() - base;
+                Self { base, axis: way.normalize(), height: way.length(), radius: (*radius).into() }
+            }
+            _ => return None,
+        })
+    }
+
+    /// Map of its points to where they were when it was `before`. It has no other axes, so that it turns by the shortest way.
+    fn before_from(&self, before: &Self) -> DAffine3 {
+        if self == before {
+            return DAffine3::IDENTITY;
+        }
+        let (along, across) = (before.height / self.height, before.radius / self.radius);
+        let axis = self.axis;
+        let project = DMat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z);
+        let growth = DMat3::IDENTITY * across + project * (along - across);
+        let turn = DMat3::from_quat(DQuat::from_rotation_arc(axis, before.axis));
+        let about = |center: DVec3| DAffine3::from_translation(center);
+        about(before.base) * DAffine3::from_mat3(turn * growth) * about(self.base).inverse()
+    }
 }
 
 /// Motion of a shape whose points were where the map takes them: what they have to be moved by. Of what stands still that is

@@ -11,9 +11,9 @@ pub(super) fn environment(file: &EnvironmentFile, files: &mut Files<'_>) -> Resu
     }
     refuse_without_image(file)?;
     let message = match (file.color, file.horizon, file.zenith) {
-        (Some(color), None, None) => return Ok(Environment::Constant(vec3(color))),
+        (Some(color), None, None) => return Ok(Environment::Constant(vec3(color.0))),
         (None, Some(horizon), Some(zenith)) => {
-            let (horizon, zenith) = (vec3(horizon), vec3(zenith));
+            let (horizon, zenith) = (vec3(horizon.0), vec3(zenith.0));
             return Ok(Environment::Gradient { horizon, zenith });
         }
         (None, None, None) => "[environment] is empty: give it `color`, or `horizon` and `zenith`, or `image`",

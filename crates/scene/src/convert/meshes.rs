@@ -4,17 +4,19 @@ use std::collections::hash_map::Entry;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::DAffine3;
 use raggio_images::Bitmap;
 use raggio_models::{Light, LightKind, Principled};
 
-use super::{Builder, Files, dvec3, vec3};
+use super::shapes::{Parts, below};
+use super::transform::{map, scale};
+use super::{Builder, Files, vec3};
 use crate::assets::{Assets, Bounds, Imported, Trouble, can_be_undone};
-use crate::fault::{Fault, Step, steps};
-use crate::file::{MeshFile, ScaleFile};
+use crate::fault::{Fault, Step, place};
+use crate::file::MeshFile;
 use crate::names;
-use crate::number::{LARGEST, SMALLEST};
-use crate::scene::{Geometry, Material, Placement, Shape, rotation};
+use crate::number::LARGEST;
+use crate::scene::{Geometry, Material, Placement};
 
 impl Files<'_> {
     /// Image of that name: an absolute path stays as it is, others are relative to the scene's folder.
@@ -52,16 +54,17 @@ impl Files<'_> {
 }
 
 impl Builder<'_, '_> {
-    /// Adds a model. `index` is the shape's place in the file; `material`, if there is one, covers all of the model.
-    pub(super) fn add_model(
+    /// Shapes and lights of a model. `at` is the place in the file of the shape that names it; `material`, if there is one, covers
+    /// all of the model.
+    pub(super) fn model(
         &mut self,
-        index: usize,
+        at: &[Step],
         mesh: &MeshFile,
         material: Option<usize>,
-    ) -> Result<Placement, Fault> {
-        let file = steps!["shapes", index, "mesh", "file"];
-        let placement = placement(index, mesh)?;
-        let world_from_model = world_from_model(mesh, &placement);
+    ) -> Result<(Placement, Parts), Fault> {
+        let of_mesh = below(at, "mesh");
+        let file = below(&of_mesh, "file");
+        let (placement, world_from_model) = placement(&of_mesh, mesh)?;
         let model = self.files.model(mesh, file.clone())?;
         if let Entry::Vacant(unknown) = self.first_materials.entry(Arc::as_ptr(&model)) {
             unknown.insert(None);
@@ -71,10 +74,10 @@ impl Builder<'_, '_> {
         }
         let (material, first_material) = match material {
             Some(material) => (material, None),
-            None => self.own_materials(index, mesh, &model)?,
+            None => self.own_materials(at, mesh, &model)?,
         };
         let mut bounds = Bounds::EMPTY;
-        self.scene.shapes.reserve(model.instances.len());
+        let mut shapes = Vec::with_capacity(model.instances.len());
         for instance in &model.instances {
             let world_from_mesh = world_from_model * instance.model_from_mesh;
             if !can_be_undone(&world_from_mesh) {
@@ -83,27 +86,27 @@ impl Builder<'_, '_> {
             bounds = bounds.united(model.bounds_of(instance, &world_from_mesh));
             let geometry =
                 Geometry::Mesh { mesh: model.meshes[instance.mesh].clone(), world_from_mesh, first_material };
-            self.scene.shapes.push(Shape { entry: index, material, geometry });
+            shapes.push((material, geometry));
         }
         if !model.instances.is_empty() && bounds.reach() > LARGEST {
             return Err(Fault::value(file, beyond(mesh)));
         }
-        self.scene.lights.extend(model.lights.iter().map(|light| placed(light, &world_from_model)));
-        Ok(placement)
+        let lights = model.lights.iter().map(|light| placed(light, &world_from_model)).collect();
+        Ok((placement, Parts { shapes, lights }))
     }
 
     /// Index of the material of parts without one, and that of the first of the others. A model's are added when it is
     /// met first.
     fn own_materials(
         &mut self,
-        index: usize,
+        at: &[Step],
         mesh: &MeshFile,
         model: &Arc<Imported>,
     ) -> Result<(usize, Option<usize>), Fault> {
         if model.materials.is_empty() {
             let file = names::quoted(&mesh.file);
-            let message = format!("`material` is missing in shape {}: {file} has no materials of its own", index + 1);
-            return Err(Fault::value(steps!["shapes", index], message));
+            let message = format!("`material` is missing {}: {file} has no materials of its own", place(at));
+            return Err(Fault::value(at.to_vec(), message));
         }
         let materials = &mut self.scene.materials;
         let first = *self.first_materials.entry(Arc::as_ptr(model)).or_default().get_or_insert_with(|| {
@@ -134,32 +137,13 @@ fn imported<'a>(file: &'a str, model: &'a Imported) -> impl Iterator<Item = Mate
     named.chain(bare)
 }
 
-/// Placement of the model in 64 bits, as the file has it: T + R S p.
-fn world_from_model(mesh: &MeshFile, placement: &Placement) -> DAffine3 {
-    let matrix3 = rotation(placement.rotation_degrees) * DMat3::from_diagonal(scale(mesh));
-    DAffine3 { matrix3, translation: dvec3(mesh.translation) }
-}
-
-fn scale(mesh: &MeshFile) -> DVec3 {
-    match mesh.scale {
-        None => DVec3::ONE,
-        Some(ScaleFile::Uniform(scale)) => DVec3::splat(scale.0),
-        Some(ScaleFile::PerAxis(scale)) => dvec3(scale),
-    }
-}
-
-fn placement(index: usize, mesh: &MeshFile) -> Result<Placement, Fault> {
-    let scale = scale(mesh);
-    if scale.abs().min_element() < SMALLEST {
-        let message = format!("`scale` in `mesh` of shape {} must not be 0: nothing would be left", index + 1);
-        return Err(Fault::value(steps!["shapes", index, "mesh", "scale"], message));
-    }
-    Ok(Placement {
-        file: mesh.file.clone(),
-        translation: vec3(mesh.translation),
-        rotation_degrees: vec3(mesh.rotation_degrees),
-        scale: scale.as_vec3(),
-    })
+/// Placement of the model, and in 64 bits the map T + R S p that it is.
+fn placement(at: &[Step], mesh: &MeshFile) -> Result<(Placement, DAffine3), Fault> {
+    let scale = scale(mesh.scale, at)?;
+    let rotation_degrees = vec3(mesh.rotation_degrees);
+    let map = map(mesh.translation, rotation_degrees, scale);
+    let (translation, scale) = (vec3(mesh.translation), scale.as_vec3());
+    Ok((Placement { file: mesh.file.clone(), translation, rotation_degrees, scale }, map))
 }
 
 fn beyond(mesh: &MeshFile) -> String {
@@ -169,9 +153,10 @@ fn beyond(mesh: &MeshFile) -> String {
 
 /// The light placed in the world. Lights of a model are scaled with it: lengths are multiplied by s, so intensity has
 /// to be multiplied by s squared for everything to be lit as before.
-fn placed(light: &Light, world_from_model: &DAffine3) -> Light {
+pub(super) fn placed(light: &Light, world_from_model: &DAffine3) -> Light {
     let area = world_from_model.matrix3.determinant().abs().powf(2.0 / 3.0);
-    let gain = if light.kind == LightKind::Directional { 1.0 } else { area };
+    let is_far = matches!(light.kind, LightKind::Directional | LightKind::Sun { .. });
+    let gain = if is_far { 1.0 } else { area };
     Light {
         intensity: light.intensity.map(|component| (f64::from(component) * gain).min(f64::from(f32::MAX)) as f32),
         position: world_from_model.transform_point3(light.position),

@@ -7,9 +7,12 @@ use raggio_models::{AlphaMode, Principled, Texture, TextureFilter, Wrap};
 
 use super::Files;
 use crate::fault::{Fault, steps};
-use crate::file::{AlphaModeFile, PrincipledFile, TextureFile, TextureFilterFile, TextureTable, WrapFile, WrapName};
+use crate::file::{
+    AlphaModeFile, Color, PrincipledFile, SurfaceColor, TextureFile, TextureFilterFile, TextureTable, WrapFile,
+    WrapName,
+};
 use crate::names;
-use crate::number::{BRIGHTEST, Fraction};
+use crate::number::BRIGHTEST;
 
 /// Principled material of the material called `name`; faults are noted.
 pub(super) fn principled(
@@ -89,8 +92,8 @@ fn number<T: Into<f64>>(file: Option<T>, default: f32) -> f32 {
     file.map_or(default, |number| number.into() as f32)
 }
 
-fn color<T: Into<f64>>(file: Option<[T; 3]>, default: [f32; 3]) -> [f32; 3] {
-    file.map_or(default, |color| color.map(|component| component.into() as f32))
+fn color<T: Into<f64>>(file: Option<Color<T>>, default: [f32; 3]) -> [f32; 3] {
+    file.map_or(default, |color| color.linear().map(|component| component as f32))
 }
 
 /// Default of a factor that is 0 on its own, but must not make its texture void.
@@ -128,7 +131,7 @@ fn place(name: &str) -> String {
 /// Emitted radiance; it is white by default where a strength or a texture is given, as its writer wants to see light.
 fn emissive(name: &str, file: &PrincipledFile) -> Result<[f32; 3], Fault> {
     let shines = file.emissive_strength.is_some() || file.emissive_texture.is_some();
-    let color = file.emissive.map_or([f64::from(shines); 3], |color| color.map(f64::from));
+    let color = file.emissive.map_or([f64::from(shines); 3], Color::linear);
     let emissive = color.map(|component| component * file.emissive_strength.map_or(1.0, f64::from));
     if emissive.into_iter().fold(0.0, f64::max) <= BRIGHTEST {
         return Ok(emissive.map(|component| component as f32));
@@ -175,9 +178,9 @@ fn texture(name: &str, key: &str, file: &TextureTable, files: &mut Files<'_>) ->
 }
 
 /// Checkerboard of n colours: an image of n by n texels, in which each row begins one colour later.
-fn checker(colors: &[[Fraction; 3]], file: &TextureTable) -> Texture {
+fn checker(colors: &[SurfaceColor], file: &TextureTable) -> Texture {
     let n = colors.len();
-    let color = |i: usize| colors[(i % n + i / n) % n].map(|channel| f64::from(channel) as f32);
+    let color = |i: usize| colors[(i % n + i / n) % n].linear().map(|channel| channel as f32);
     let texels = Texels::Rgb32F((0..n * n).map(color).collect());
     Texture {
         uv_set: file.uv_set.map_or(0, |set| set.0 as u8),

@@ -8,7 +8,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use super::{Priority, Radiance};
+use super::{Priority, Radiance, SurfaceColor};
 use crate::number::{Brightness, Coordinate, Fraction, Ior, NonNegative, Positive, Whole};
 
 /// A physically based material with the meaning that glTF 2.0 and its KHR_materials extensions give to each name.
@@ -19,7 +19,7 @@ use crate::number::{Brightness, Coordinate, Fraction, Ior, NonNegative, Positive
 pub(crate) struct PrincipledFile {
     /// Reflected colour of the diffuse part, or of a metal seen from the front.
     #[schemars(extend("default" = [1.0, 1.0, 1.0]))]
-    pub base_color: Option<[Fraction; 3]>,
+    pub base_color: Option<SurfaceColor>,
     /// Red, green and blue (sRGB) times `base_color`, alpha times `alpha`.
     pub base_color_texture: Option<TextureFile>,
     /// Coverage, which `alpha_mode` puts to use.
@@ -62,7 +62,7 @@ pub(crate) struct PrincipledFile {
     pub thin_walled: Option<bool>,
     /// Colour that is left of white light after `attenuation_distance` inside the body.
     #[schemars(extend("default" = [1.0, 1.0, 1.0]))]
-    pub attenuation_color: Option<[Fraction; 3]>,
+    pub attenuation_color: Option<SurfaceColor>,
     /// Distance after which `attenuation_color` is left; absent: nothing is absorbed.
     pub attenuation_distance: Option<Positive>,
     /// Dispersion, which is 20 over the Abbe number; 0 bends all colours alike.
@@ -78,7 +78,7 @@ pub(crate) struct PrincipledFile {
     pub diffuse_transmission_texture: Option<TextureFile>,
     /// Colour of the diffusely transmitted light.
     #[schemars(extend("default" = [1.0, 1.0, 1.0]))]
-    pub diffuse_transmission_color: Option<[Fraction; 3]>,
+    pub diffuse_transmission_color: Option<SurfaceColor>,
     /// Red, green and blue (sRGB) times `diffuse_transmission_color`.
     pub diffuse_transmission_color_texture: Option<TextureFile>,
     /// Strength of the clear coat.
@@ -98,7 +98,7 @@ pub(crate) struct PrincipledFile {
     pub clearcoat_normal_scale: Option<Coordinate>,
     /// Reflectance of the sheen at grazing angles; black is no sheen.
     #[schemars(extend("default" = [0.0, 0.0, 0.0]))]
-    pub sheen_color: Option<[Fraction; 3]>,
+    pub sheen_color: Option<SurfaceColor>,
     /// Red, green and blue (sRGB) times `sheen_color`.
     pub sheen_color_texture: Option<TextureFile>,
     /// Roughness of the sheen from 0 to 1.
@@ -166,9 +166,9 @@ pub(crate) enum AlphaModeFile {
 pub(crate) struct TextureTable {
     /// Path of a PNG, JPEG, WebP, BMP, TGA, TIFF, KTX2, HDR or EXR file, relative to the scene file.
     pub image: Option<String>,
-    /// Two to sixteen colours, linear, that take turns along both sides of a checkerboard whose fields have the side 1 in texture coordinates; in place of `image`. With 0 in `scale` fields become stripes.
+    /// Two to sixteen colours that take turns along both sides of a checkerboard whose fields have the side 1 in texture coordinates; in place of `image`. With 0 in `scale` fields become stripes.
     #[schemars(length(min = 2, max = 16))]
-    pub checker: Option<Vec<[Fraction; 3]>>,
+    pub checker: Option<Vec<SurfaceColor>>,
     /// Number of the mesh's set of texture coordinates, 0 or 1.
     #[schemars(extend("default" = 0))]
     pub uv_set: Option<Whole<0, 1>>,

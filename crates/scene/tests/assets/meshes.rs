@@ -37,7 +37,7 @@ fn a_mesh_with_a_material() {
         rotation_degrees: Vec3::ZERO,
         scale: Vec3::ONE,
     };
-    assert_eq!((scene.entries[1].material, scene.entries[1].placement.as_ref()), (Some(1), Some(&expected)));
+    assert_eq!((scene.entries[1].material, scene.entries[1].placement()), (Some(1), Some(&expected)));
 }
 
 #[test]

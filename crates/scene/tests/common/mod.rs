@@ -1,8 +1,9 @@
 //! Helpers that several tests need.
 
+use std::f32::consts::FRAC_PI_2;
 use std::path::PathBuf;
 
-use raggio_scene::{Environment, Geometry, Reflection, Scene, Vec3};
+use raggio_scene::{Environment, Geometry, LightKind, Reflection, Scene, Vec3};
 
 /// Every key that a scene may have in this version, but for those that exclude others.
 pub const EXAMPLE: &str = r#"version = 1
@@ -23,6 +24,12 @@ aperture_radius = 0          # thin lens when > 0
 focus_distance = 4
 [environment]
 color = [0.7, 0.8, 1.0]
+[[lights]]
+point = { position = [0, 3, 0], color = [1, 0.9, 0.8], intensity = 4 }
+[[lights]]
+spot = { position = [1, 2, 3], direction = [0, -3, -4], inner_degrees = 10, outer_degrees = 20, color = [1, 0.9, 0.8], intensity = 5 }
+[[lights]]
+directional = { direction = [0, -6, -8], angle_degrees = 0.5, color = [1, 0.9, 0.8], intensity = 3 }
 [materials.glass]
 color = [1, 1, 1]
 emission_color = [1, 1, 1]   # default
@@ -75,6 +82,15 @@ material = "matt white"
 rectangle = { corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 0, 1] }
 [[shapes]]
 material = "matt white"
+disk = { center = [0, 1, 0], normal = [0, 0, 2], radius = 1 }
+[[shapes]]
+material = "matt white"
+cylinder = { base = [0, 1, 0], top = [0, 3, 0], radius = 0.5, capped = false }
+[[shapes]]
+material = "matt white"
+cone = { base = [0, 1, 0], top = [2, 1, 0], radius = 0.5, top_radius = 0.25, capped = true }
+[[shapes]]
+material = "matt white"
 box = { center = [1, 2, 3], size = [1, 2, 3], rotation_degrees = [10, 20, 30] }
 "#;
 
@@ -114,6 +130,18 @@ pub fn check_invariants(scene: &Scene) {
         }
     }
     check_materials(scene);
+    assert!(scene.lights.len() >= scene.light_entries.len());
+    for light in &scene.lights {
+        check_light(light.intensity.into());
+        assert!(light.position.is_finite() && light.direction.is_normalized(), "{light:?}");
+        match light.kind {
+            LightKind::Spot { inner, outer } => {
+                assert!(0.0 <= inner && inner <= outer && outer <= FRAC_PI_2 + 1e-6, "{light:?}")
+            }
+            LightKind::Sun { half_angle } => assert!(half_angle > 8e-5 && half_angle <= FRAC_PI_2 + 1e-6, "{light:?}"),
+            LightKind::Directional | LightKind::Point => {}
+        }
+    }
     for shape in &scene.shapes {
         assert!(shape.material < scene.materials.len(), "{shape:?}");
         check_geometry(&shape.geometry, scene.materials.len());
@@ -180,6 +208,16 @@ fn check_geometry(geometry: &Geometry, materials: usize) {
             assert!(corner.is_finite(), "{geometry:?}");
             let cosine = edge_u.normalize().dot(edge_v.normalize());
             assert!(cosine.abs() < 1.1e-4, "{geometry:?}");
+        }
+        Geometry::Disk { center, normal, radius } => {
+            assert!(center.is_finite() && normal.is_normalized() && radius > 0.0, "{geometry:?}");
+        }
+        Geometry::Cylinder { base, top, radius, .. } => {
+            assert!((top.as_dvec3() - base.as_dvec3()).normalize().is_normalized() && radius > 0.0, "{geometry:?}");
+        }
+        Geometry::Cone { base, top, radius, top_radius, .. } => {
+            assert!((top.as_dvec3() - base.as_dvec3()).normalize().is_normalized() && radius > 0.0, "{geometry:?}");
+            assert!((0.0..=radius).contains(&top_radius), "{geometry:?}");
         }
         Geometry::Box { center, size, rotation_degrees } => {
             assert!(center.is_finite() && rotation_degrees.is_finite(), "{geometry:?}");

@@ -48,7 +48,7 @@ vertical_fov_degrees = 40
 [render]
 banana = 3
 ",
-        "scene.toml:7:1: unknown key `banana` in [render]: choose from `width`, `height`, `samples`, `max_depth`, `seed`, `sampler`, `filter`, `clamp` and 2 more",
+        "scene.toml:7:1: unknown key `banana` in [render]: choose from `width`, `height`, `samples`, `max_depth`, `seed`, `sampler`, `filter`, `clamp`, `alpha` and 1 more",
     ),
     (
         "unlike every key at the top",
@@ -59,7 +59,7 @@ position = [0, 1, 4]
 look_at = [0, 1, 0]
 vertical_fov_degrees = 40
 ",
-        "scene.toml:2:1: unknown key `banana` at the top level of the scene: choose from `version`, `render`, `camera`, `environment`, `materials` and `shapes`",
+        "scene.toml:2:1: unknown key `banana` at the top level of the scene: choose from `version`, `render`, `camera`, `environment`, `air`, `lights`, `materials`, `groups` and `shapes`",
     ),
     (
         "in a shape",
@@ -106,7 +106,7 @@ mesh = { file = "a.ply", traslation = [0, 0, 0] }
     (
         "control characters are escaped",
         "version = 1\n[camera]\nposition = [0, 1, 4]\nlook_at = [0, 1, 0]\nvertical_fov_degrees = 40\n\"\\u001b[2J\" = 1\n",
-        "scene.toml:6:1: unknown key `\\u{1b}[2J` in [camera]: choose from `position`, `look_at`, `up`, `vertical_fov_degrees`, `intrinsics`, `orthographic_height`, `panorama`, `aperture_radius` and 3 more",
+        "scene.toml:6:1: unknown key `\\u{1b}[2J` in [camera]: choose from `position`, `look_at`, `up`, `vertical_fov_degrees`, `intrinsics`, `orthographic_height`, `panorama`, `aperture_radius`, `focus_distance` and 2 more",
     ),
     (
         "long names are cut",
@@ -117,7 +117,7 @@ look_at = [0, 1, 0]
 vertical_fov_degrees = 40
 kkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkk = 1
 ",
-        "scene.toml:6:1: unknown key `kkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkk...` in [camera]: choose from `position`, `look_at`, `up`, `vertical_fov_degrees`, `intrinsics`, `orthographic_height`, `panorama`, `aperture_radius` and 3 more",
+        "scene.toml:6:1: unknown key `kkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkk...` in [camera]: choose from `position`, `look_at`, `up`, `vertical_fov_degrees`, `intrinsics`, `orthographic_height`, `panorama`, `aperture_radius`, `focus_distance` and 2 more",
     ),
     (
         "a quoted material",
@@ -129,6 +129,6 @@ vertical_fov_degrees = 40
 [materials."two words"]
 shine = 1
 "#,
-        r#"scene.toml:7:1: unknown key `shine` in [materials."two words"]: choose from `color`, `emission_color`, `emission_strength`, `smoothness`, `refractive_index`, `reflection`, `priority` and `principled`"#,
+        r#"scene.toml:7:1: unknown key `shine` in [materials."two words"]: choose from `color`, `emission_color`, `emission_strength`, `smoothness`, `refractive_index`, `reflection`, `priority`, `medium` and `principled`"#,
     ),
 ];

@@ -18,6 +18,93 @@ emission_strength = 1e6
         "scene.toml:8:21: `emission_strength` times `emission_color` in [materials.red] must be at most 1e9",
     ),
     (
+        "a colour of a body without a surface",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[materials.fog]
+medium = { scattering = 1 }
+color = [1, 1, 1]
+"#,
+        r#"scene.toml:8:1: `color` in [materials.fog] is of a surface, and a body with a `medium` has none without `refractive_index`: leave out `color`, or give it a `refractive_index`"#,
+    ),
+    (
+        "a medium behind an opaque surface",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[materials.wax]
+principled = { roughness = 0.5 }
+medium = { scattering = 1 }
+"#,
+        r#"scene.toml:8:1: `medium` in [materials.wax] is behind a `principled` surface that lets no light in: give it a `transmission`"#,
+    ),
+    (
+        "a medium behind a sheet",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[materials.wax]
+principled = { transmission = 1, thin_walled = true }
+medium = { scattering = 1 }
+"#,
+        r#"scene.toml:8:1: `medium` in [materials.wax] is behind a `principled` surface that lets no light in: leave out `thin_walled`"#,
+    ),
+    (
+        "a medium that gives light",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[materials.fog]
+medium = { scattering = [1, -2, 1] }
+"#,
+        r#"scene.toml:7:25: `scattering` in [materials.fog.medium] must be a number, or three numbers, of 0 or more, not `[1, -2, 1]`"#,
+    ),
+    (
+        "a medium that scatters forward alone",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[air]
+anisotropy = 1
+"#,
+        r#"scene.toml:7:14: `anisotropy` in [air] must be between -0.999 and 0.999, not `1`: 0 scatters to all sides alike, more goes forward, less goes back"#,
+    ),
+    (
+        "a medium in another's words",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[air]
+sigma_s = 1
+"#,
+        r#"scene.toml:7:1: unknown key `sigma_s` in [air]: did you mean `scattering`?"#,
+    ),
+    (
+        "a coefficient as a word",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[materials.fog]
+medium = { scattering = "much" }
+"#,
+        r#"scene.toml:7:25: `scattering` in [materials.fog.medium] must be a number, or three numbers, of 0 or more, not `"much"`"#,
+    ),
+    (
         "color above 1",
         "version = 1
 [camera]
@@ -51,7 +138,7 @@ vertical_fov_degrees = 40
 [materials.red]
 color = "red"
 "#,
-        "scene.toml:7:9: `color` in [materials.red] must be a list of 3 numbers, not a string",
+        "scene.toml:7:9: `color` in [materials.red] must be a colour, not `\"red\"`: write `\"#rrggbb\"`, three pairs of hexadecimal digits, or `\"#rgb\"`",
     ),
     (
         "negative emission color",

@@ -1,10 +1,13 @@
 //! Messages that answer every mistake in a scene file, word for word.
 
 mod camera;
+mod colors;
 mod environment;
 mod foreign;
+mod groups;
 mod keyframes;
 mod keys;
+mod lights;
 mod materials;
 mod meshes;
 mod principled;
@@ -43,4 +46,4 @@ macro_rules! tables {
 }
 
 // The tests have the names of the tables' modules, which live in another namespace.
-tables! { syntax several keys foreign types render camera keyframes environment materials principled shapes meshes }
+tables! { syntax several keys foreign types render camera colors keyframes environment lights materials principled shapes groups meshes }

@@ -68,7 +68,7 @@ vertical_fov_degrees = 40
 material = "glass"
 sphere = { center = [0, 0, 0], radius = 1 }
 "#,
-        "scene.toml:19:12: unknown material `glass` in shape 1: choose from `m0`, `m1`, `m2`, `m3`, `m4`, `m5`, `m6`, `m7` and 4 more",
+        "scene.toml:19:12: unknown material `glass` in shape 1: choose from `m0`, `m1`, `m2`, `m3`, `m4`, `m5`, `m6`, `m7`, `m8` and 3 more",
     ),
     (
         "no materials at all",
@@ -94,7 +94,7 @@ vertical_fov_degrees = 40
 [[shapes]]
 material = "red"
 "#,
-        "scene.toml:7:1: shape 1 has no geometry: give it one of `sphere`, `plane`, `rectangle`, `box`, `mesh`",
+        "scene.toml:7:1: shape 1 has no geometry: give it one of `sphere`, `plane`, `rectangle`, `disk`, `cylinder`, `cone`, `box`, `mesh`, `group`",
     ),
     (
         "two geometries",
@@ -337,5 +337,75 @@ material = "red"
 box = { center = [0, 0, 0], size = [1, 1, 1], rotation_degrees = [nan, 0, 0] }
 "#,
         "scene.toml:9:67: component 1 of `rotation_degrees` in `box` of shape 1 must be a finite number, not `nan`",
+    ),
+    (
+        "zero normal of a disk",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[materials.red]
+[[shapes]]
+material = "red"
+disk = { center = [0, 0, 0], normal = [0, 0, 0], radius = 1 }
+"#,
+        "scene.toml:9:39: `normal` in `disk` of shape 1 must not be zero: it gives a direction",
+    ),
+    (
+        "a cylinder without height",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[materials.red]
+[[shapes]]
+material = "red"
+cylinder = { base = [1, 2, 3], top = [1, 2, 3], radius = 1 }
+"#,
+        "scene.toml:9:38: `top` in `cylinder` of shape 1 is the same point as `base`: without a height it is a `disk`",
+    ),
+    (
+        "a cone on its head",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[materials.red]
+[[shapes]]
+material = "red"
+cone = { base = [0, 0, 0], top = [0, 1, 0], radius = 1, top_radius = 2 }
+"#,
+        "scene.toml:9:70: `top_radius` in `cone` of shape 1 is 2, and must not be more than `radius`, which is 1: `base` is the wide end",
+    ),
+    (
+        "an apex",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[materials.red]
+[[shapes]]
+material = "red"
+cone = { base = [0, 0, 0], apex = [0, 1, 0], radius = 1 }
+"#,
+        "scene.toml:9:28: unknown key `apex` in `cone` of shape 1: did you mean `top`?",
+    ),
+    (
+        "a tube",
+        r#"version = 1
+[camera]
+position = [0, 1, 4]
+look_at = [0, 1, 0]
+vertical_fov_degrees = 40
+[materials.red]
+[[shapes]]
+material = "red"
+tube = { base = [0, 0, 0], top = [0, 1, 0], radius = 1 }
+"#,
+        "scene.toml:9:1: unknown key `tube` in shape 1: did you mean `cylinder`?",
     ),
 ];

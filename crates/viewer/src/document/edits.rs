@@ -1,11 +1,14 @@
 //! Edits that take the scene's plain data and touch only the keys whose values change.
 
-use raggio_scene::{Camera, Environment, Geometry, Material, Placement, RenderSettings, Scene};
+use raggio_scene::{
+    Camera, Environment, Geometry, LightEntry, Material, Medium, Placement, RenderSettings, Scene, Transform,
+};
 use toml_edit::{DocumentMut, InlineTable, Item, Table, Value};
 
 use super::error::item;
 use super::fields::{self, Field};
-use super::{Document, EditError, lists, tree};
+use super::lists::{self, LIGHTS, SHAPES};
+use super::{Document, EditError, tree};
 
 /// Edits that return whether the text changed, or the index of what they added; a new value equal to the old one is no
 /// change and no step to undo.
@@ -35,6 +38,9 @@ impl Document {
             let table = toml.get_mut("materials").and_then(|materials| tree::child(materials, &old.name));
             if let Some(table) = table {
                 tree::write_fields(table, &fields::material(old, new));
+                if let (Some(old), Some(new), Some(medium)) = (&old.medium, &new.medium, tree::child(table, "medium")) {
+                    tree::write_fields(medium, &fields::medium(old, new));
+                }
             }
             Ok(())
         })
@@ -56,13 +62,15 @@ impl Document {
     pub fn set_shape(&mut self, index: usize, new: &Geometry, material: usize) -> Result<bool, EditError> {
         let name = change_of_shape(&self.scene, index, new)?;
         self.edit(&name, |toml, scene| {
-            let old = item(scene.shapes_of(index), 0, "shape")?;
+            let old = item(&scene.entries, index, "shape")?;
             let named = item(&scene.materials, material, "material")?;
-            let Some(table) = lists::shape(toml, index) else { return Ok(()) };
-            if material != old.material {
+            let Some(table) = lists::entry(toml, SHAPES, index) else { return Ok(()) };
+            if Some(material) != old.material {
                 paint(table, Some(&named.name));
             }
-            write_geometry(table, &old.geometry, new);
+            if let Some(old) = old.geometry() {
+                write_geometry(table, old, new);
+            }
             Ok(())
         })
     }
@@ -70,16 +78,44 @@ impl Document {
     /// Moves a model, and gives it a material, or with `None` its own.
     pub fn set_model(&mut self, index: usize, new: &Placement, material: Option<usize>) -> Result<bool, EditError> {
         let entry = item(&self.scene.entries, index, "shape")?;
-        let moves = entry.placement.as_ref() != Some(new);
+        let moves = entry.placement() != Some(new);
         self.edit(if moves { "move mesh" } else { "paint mesh" }, |toml, scene| {
             let old = item(&scene.entries, index, "shape")?;
             let named = material.map(|index| item(&scene.materials, index, "material")).transpose()?;
-            let Some(table) = lists::shape(toml, index) else { return Ok(()) };
+            let Some(table) = lists::entry(toml, SHAPES, index) else { return Ok(()) };
             if material != old.material {
                 paint(table, named.map(|material| material.name.as_str()));
             }
-            if let (Some(old), Some(mesh)) = (&old.placement, tree::child(table, "mesh")) {
+            if let (Some(old), Some(mesh)) = (old.placement(), tree::child(table, "mesh")) {
                 tree::write_fields(mesh, &fields::placement(old, new));
+            }
+            Ok(())
+        })
+    }
+
+    /// Gives all shapes of a group one material, or with `None` their own.
+    pub fn set_group(&mut self, index: usize, material: Option<usize>) -> Result<bool, EditError> {
+        self.edit("paint group", |toml, scene| {
+            let old = item(&scene.entries, index, "shape")?;
+            let named = material.map(|index| item(&scene.materials, index, "material")).transpose()?;
+            let Some(table) = lists::entry(toml, SHAPES, index) else { return Ok(()) };
+            if material != old.material {
+                paint(table, named.map(|material| material.name.as_str()));
+            }
+            Ok(())
+        })
+    }
+
+    /// Changes the transform of a shape or of a group. One that changes nothing need not be in the file.
+    pub fn set_transform(&mut self, index: usize, new: &Transform) -> Result<bool, EditError> {
+        let kind = kind_of(&self.scene, index)?;
+        self.edit(&format!("transform {kind}"), |toml, scene| {
+            let old = item(&scene.entries, index, "shape")?;
+            let Some(table) = lists::entry(toml, SHAPES, index) else { return Ok(()) };
+            if let Some(transform) = tree::child(table, "transform") {
+                tree::write_fields(transform, &fields::transform(&old.transform, new));
+            } else if *new != Transform::IDENTITY {
+                tree::insert(table, "transform", tree::inline_table(&fields::transform(new, new)));
             }
             Ok(())
         })
@@ -93,7 +129,7 @@ impl Document {
             tree::insert(&mut table, "material", named.name.as_str().into());
             tree::insert(&mut table, geometry.key(), tree::inline_table(&fields::geometry(geometry, geometry)));
             if let Item::Value(Value::InlineTable(table)) = table {
-                lists::push(toml, table);
+                lists::push(toml, SHAPES, table);
             }
             Ok(())
         })?;
@@ -104,7 +140,7 @@ impl Document {
     pub fn remove_shape(&mut self, index: usize) -> Result<bool, EditError> {
         let name = format!("remove {}", kind_of(&self.scene, index)?);
         self.edit(&name, |toml, _| {
-            lists::remove(toml, index);
+            lists::remove(toml, SHAPES, index);
             Ok(())
         })
     }
@@ -113,10 +149,49 @@ impl Document {
     pub fn duplicate_shape(&mut self, index: usize) -> Result<usize, EditError> {
         let name = format!("duplicate {}", kind_of(&self.scene, index)?);
         self.edit(&name, |toml, _| {
-            lists::push_copy(toml, index);
+            lists::push_copy(toml, SHAPES, index);
             Ok(())
         })?;
         Ok(self.scene.entries.len().saturating_sub(1))
+    }
+
+    /// Changes a light of the file, which may become one of another kind.
+    pub fn set_light(&mut self, index: usize, new: &LightEntry) -> Result<bool, EditError> {
+        let kind = item(&self.scene.light_entries, index, "light")?.place.key();
+        self.edit(&format!("{kind} light"), |toml, scene| {
+            let old = item(&scene.light_entries, index, "light")?;
+            let Some(table) = lists::entry(toml, LIGHTS, index) else { return Ok(()) };
+            let (old_key, new_key) = (old.place.key(), new.place.key());
+            if old_key != new_key {
+                tree::remove(table, old_key);
+                tree::insert(table, new_key, tree::inline_table(&fields::light(new, new)));
+            } else if let Some(table) = tree::child(table, old_key) {
+                tree::write_fields(table, &fields::light(old, new));
+            }
+            Ok(())
+        })
+    }
+
+    /// Adds a light and returns its index among those of the file, which is the last.
+    pub fn add_light(&mut self, light: &LightEntry) -> Result<usize, EditError> {
+        self.edit(&format!("add {} light", light.place.key()), |toml, _| {
+            let mut table = Item::Value(InlineTable::new().into());
+            tree::insert(&mut table, light.place.key(), tree::inline_table(&fields::light(light, light)));
+            if let Item::Value(Value::InlineTable(table)) = table {
+                lists::push(toml, LIGHTS, table);
+            }
+            Ok(())
+        })?;
+        Ok(self.scene.light_entries.len().saturating_sub(1))
+    }
+
+    /// Removes a light of the file, with the comments right before it.
+    pub fn remove_light(&mut self, index: usize) -> Result<bool, EditError> {
+        let kind = item(&self.scene.light_entries, index, "light")?.place.key();
+        self.edit(&format!("remove {kind} light"), |toml, _| {
+            lists::remove(toml, LIGHTS, index);
+            Ok(())
+        })
     }
 
     /// Changes the light from outside. A file without `[environment]` gets one when it is no longer black.
@@ -124,6 +199,18 @@ impl Document {
         self.edit("environment", |toml, scene| {
             if *new != scene.environment {
                 write_section(toml, "environment", &fields::environment(&scene.environment, new));
+            }
+            Ok(())
+        })
+    }
+
+    /// Changes the medium that fills the scene, or with `None` takes it away.
+    pub fn set_air(&mut self, new: Option<&Medium>) -> Result<bool, EditError> {
+        self.edit("air", |toml, scene| {
+            match new {
+                None => drop(toml.remove("air")),
+                Some(new) if Some(new) == scene.air.as_ref() => {}
+                Some(new) => write_section(toml, "air", &fields::medium(&scene.air.unwrap_or_default(), new)),
             }
             Ok(())
         })
@@ -198,9 +285,7 @@ fn free_name(scene: &Scene, name: &str) -> String {
 
 /// The key of a shape's geometry; shapes are counted as in the file.
 fn kind_of(scene: &Scene, index: usize) -> Result<&'static str, EditError> {
-    let entry = item(&scene.entries, index, "shape")?;
-    let other = || scene.shapes_of(index).first().map_or("shape", |shape| shape.geometry.key());
-    Ok(if entry.placement.is_some() { "mesh" } else { other() })
+    Ok(item(&scene.entries, index, "shape")?.key())
 }
 
 /// Gives a shape the material of this name, or none.
@@ -215,8 +300,8 @@ fn paint(shape: &mut Item, material: Option<&str>) {
 
 /// Name of a shape's change, for undo.
 fn change_of_shape(scene: &Scene, index: usize, new: &Geometry) -> Result<String, EditError> {
-    item(&scene.entries, index, "shape")?;
-    let old = &item(scene.shapes_of(index), 0, "shape")?.geometry;
+    let entry = item(&scene.entries, index, "shape")?;
+    let Some(old) = entry.geometry() else { return Ok(format!("change {}", entry.key())) };
     let verb = if old == new {
         "paint"
     } else if fields::is_moved(old, new) {

@@ -2,7 +2,8 @@
 //! means.
 
 use raggio_scene::{
-    Camera, Environment, Geometry, Intrinsics, Material, Placement, Projection, Reflection, RenderSettings, Vec3,
+    Camera, Environment, Geometry, Intrinsics, LightEntry, LightPlace, Material, Medium, Placement, Projection,
+    Reflection, RenderSettings, Transform, Vec3,
 };
 
 use crate::navigation::view_distance;
@@ -18,6 +19,7 @@ pub(super) enum Datum {
     Word(&'static str),
     Flag(bool),
     Intrinsics(Intrinsics),
+    Medium(Medium),
 }
 
 /// One key of a table. It is written when it is there and `new` differs from `old`, or when it is not there and `new`
@@ -82,6 +84,23 @@ pub(super) fn material(old: &Material, new: &Material) -> Vec<Field> {
             Reflection::Probability(probability) => Number(probability),
         }),
         field("priority", old, new, Whole(0), |it| Whole(it.priority.into())),
+        // One that stays is changed key by key.
+        field("medium", old, new, Absent, |it| match (it.medium, old.medium, new.medium) {
+            (None, ..) => Absent,
+            (Some(_), Some(kept), Some(_)) => Datum::Medium(kept),
+            (Some(medium), ..) => Datum::Medium(medium),
+        }),
+    ]
+}
+
+/// The keys of a medium.
+pub(super) fn medium(old: &Medium, new: &Medium) -> Vec<Field> {
+    use Datum::{Number, Vector};
+    let coefficient = |it: Vec3| if it == Vec3::splat(it.x) { Number(it.x) } else { Vector(it) };
+    vec![
+        field("absorption", old, new, Number(0.0), |it| coefficient(it.absorption)),
+        field("scattering", old, new, Number(0.0), |it| coefficient(it.scattering)),
+        field("anisotropy", old, new, Number(0.0), |it| Number(it.anisotropy)),
     ]
 }
 
@@ -124,16 +143,60 @@ fn of_image(environment: &Environment, default: f32) -> Datum {
     }
 }
 
+/// The keys of two lights of one kind.
+pub(super) fn light(old: &LightEntry, new: &LightEntry) -> Vec<Field> {
+    use Datum::{Number, Vector};
+    let place = place(&old.place).into_iter().zip(place(&new.place));
+    let place = place.map(|((key, absent, old), (.., new))| Field { key, old, new, absent });
+    place
+        .chain([
+            field("color", old, new, Vector(Vec3::ONE), |it| Vector(it.color)),
+            field("intensity", old, new, Number(1.0), |it| Number(it.intensity)),
+        ])
+        .collect()
+}
+
+/// Keys that say where a light is, each with the value that its absence means and its own.
+fn place(place: &LightPlace) -> Vec<(&'static str, Datum, Datum)> {
+    use Datum::{Absent, Number, Vector};
+    match *place {
+        LightPlace::Point { position } => vec![("position", Absent, Vector(position))],
+        LightPlace::Spot { position, direction, inner_degrees, outer_degrees } => vec![
+            ("position", Absent, Vector(position)),
+            ("direction", Absent, Vector(direction)),
+            ("inner_degrees", Number(0.0), Number(inner_degrees)),
+            ("outer_degrees", Number(45.0), Number(outer_degrees)),
+        ],
+        LightPlace::Directional { direction, angle_degrees } => {
+            vec![("direction", Absent, Vector(direction)), ("angle_degrees", Number(0.0), Number(angle_degrees))]
+        }
+    }
+}
+
 pub(super) fn placement(old: &Placement, new: &Placement) -> Vec<Field> {
     use Datum::{Number, Vector};
     vec![
         field("translation", old, new, Vector(Vec3::ZERO), |it| Vector(it.translation)),
         field("rotation_degrees", old, new, Vector(Vec3::ZERO), |it| Vector(it.rotation_degrees)),
-        field("scale", old, new, Number(1.0), |it| match it.scale.to_array() {
-            [x, y, z] if x == y && y == z => Number(x),
-            _ => Vector(it.scale),
-        }),
+        field("scale", old, new, Number(1.0), |it| factor(it.scale)),
     ]
+}
+
+pub(super) fn transform(old: &Transform, new: &Transform) -> Vec<Field> {
+    use Datum::{Number, Vector};
+    vec![
+        field("translation", old, new, Vector(Vec3::ZERO), |it| Vector(it.translation)),
+        field("rotation_degrees", old, new, Vector(Vec3::ZERO), |it| Vector(it.rotation_degrees)),
+        field("scale", old, new, Number(1.0), |it| factor(it.scale)),
+    ]
+}
+
+/// One factor where all are equal.
+fn factor(scale: Vec3) -> Datum {
+    match scale.to_array() {
+        [x, y, z] if x == y && y == z => Datum::Number(x),
+        _ => Datum::Vector(scale),
+    }
 }
 
 pub(super) fn render(old: &RenderSettings, new: &RenderSettings) -> Vec<Field> {
@@ -171,6 +234,17 @@ fn data(geometry: &Geometry) -> Vec<(&'static str, Datum)> {
         Geometry::Rectangle { corner, edge_u, edge_v } => {
             vec![("corner", Vector(corner)), ("edge_u", Vector(edge_u)), ("edge_v", Vector(edge_v))]
         }
+        Geometry::Disk { center, normal, radius } => {
+            vec![("center", Vector(center)), ("normal", Vector(normal)), ("radius", Number(radius))]
+        }
+        Geometry::Cylinder { base, top, radius, capped } => {
+            let round = [("base", Vector(base)), ("top", Vector(top)), ("radius", Number(radius))];
+            [round.to_vec(), vec![("capped", Datum::Flag(capped))]].concat()
+        }
+        Geometry::Cone { base, top, radius, top_radius, capped } => {
+            let round = [("base", Vector(base)), ("top", Vector(top)), ("radius", Number(radius))];
+            [round.to_vec(), vec![("top_radius", Number(top_radius)), ("capped", Datum::Flag(capped))]].concat()
+        }
         Geometry::Box { center, size, rotation_degrees } => {
             vec![("center", Vector(center)), ("size", Vector(size)), ("rotation_degrees", Vector(rotation_degrees))]
         }
@@ -180,11 +254,18 @@ fn data(geometry: &Geometry) -> Vec<(&'static str, Datum)> {
 }
 
 fn absent(key: &str) -> Datum {
-    if key == "rotation_degrees" { Datum::Vector(Vec3::ZERO) } else { Datum::Absent }
+    match key {
+        "rotation_degrees" => Datum::Vector(Vec3::ZERO),
+        "top_radius" => Datum::Number(0.0),
+        "capped" => Datum::Flag(true),
+        _ => Datum::Absent,
+    }
 }
 
 /// Whether one geometry is the other in another place.
 pub(super) fn is_moved(old: &Geometry, new: &Geometry) -> bool {
-    // The place is the first key of every kind.
-    old.key() == new.key() && data(old).get(1..) == data(new).get(1..)
+    // The place is the first key of every kind, and of those between two points the second as well.
+    let two = matches!(old, Geometry::Cylinder { .. } | Geometry::Cone { .. });
+    let rest = |geometry: &Geometry| data(geometry).split_off(if two { 2 } else { 1 }.min(data(geometry).len()));
+    old.key() == new.key() && rest(old) == rest(new)
 }

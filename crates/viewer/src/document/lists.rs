@@ -1,27 +1,32 @@
-//! The list of shapes, be it `[[shapes]]` or `shapes = [...]`.
+//! The lists of shapes and lights, be they `[[shapes]]` or `shapes = [...]`.
 
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value};
 
 use super::tree::{raw, take_suffix};
 
-/// The table of the shape at `index`, counted as in the file.
-pub(super) fn shape(toml: &mut DocumentMut, index: usize) -> Option<&mut Item> {
+/// Key of the list of shapes.
+pub(super) const SHAPES: &str = "shapes";
+/// Key of the list of lights.
+pub(super) const LIGHTS: &str = "lights";
+
+/// The table at `index` of the list called `list`, counted as in the file.
+pub(super) fn entry<'a>(toml: &'a mut DocumentMut, list: &str, index: usize) -> Option<&'a mut Item> {
     // A number indexes a list and nothing else, and adds no entry to it.
-    toml.get_mut("shapes")?.get_mut(index)
+    toml.get_mut(list)?.get_mut(index)
 }
 
-/// Adds a shape at the end.
-pub(super) fn push(toml: &mut DocumentMut, shape: InlineTable) {
-    match toml.entry("shapes").or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new())) {
-        Item::ArrayOfTables(tables) => tables.push(shape.into_table()),
-        Item::Value(Value::Array(array)) => push_inline(array, shape.into()),
+/// Adds a table at the end of the list called `list`.
+pub(super) fn push(toml: &mut DocumentMut, list: &str, table: InlineTable) {
+    match toml.entry(list).or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new())) {
+        Item::ArrayOfTables(tables) => tables.push(table.into_table()),
+        Item::Value(Value::Array(array)) => push_inline(array, table.into()),
         _ => {}
     }
 }
 
-/// Adds a copy of a shape at the end, without the comments before it.
-pub(super) fn push_copy(toml: &mut DocumentMut, index: usize) {
-    match toml.get_mut("shapes") {
+/// Adds a copy of the table at `index` at the end of its list, without the comments before it.
+pub(super) fn push_copy(toml: &mut DocumentMut, list: &str, index: usize) {
+    match toml.get_mut(list) {
         Some(Item::ArrayOfTables(tables)) => {
             if let Some(mut copy) = tables.get(index).cloned() {
                 copy.decor_mut().clear();
@@ -48,9 +53,9 @@ fn forget_places(table: &mut Table) {
     }
 }
 
-/// Removes a shape with the comments before it.
-pub(super) fn remove(toml: &mut DocumentMut, index: usize) {
-    match toml.get_mut("shapes") {
+/// Removes a table of a list with the comments before it.
+pub(super) fn remove(toml: &mut DocumentMut, list: &str, index: usize) {
+    match toml.get_mut(list) {
         Some(Item::ArrayOfTables(tables)) if index < tables.len() => {
             tables.remove(index);
         }

@@ -3,7 +3,7 @@
 use raggio_scene::Intrinsics;
 use toml_edit::{Array, InlineTable, Item, RawString, Table, Value};
 
-use super::fields::{Datum, Field};
+use super::fields::{self, Datum, Field};
 
 /// Largest number written without a point; beyond it whole numbers are no easier to read than any others.
 const LARGEST_WHOLE: f32 = 1e15;
@@ -138,6 +138,7 @@ fn value(datum: Datum) -> Option<Value> {
         Datum::Word(word) => word.into(),
         Datum::Flag(flag) => flag.into(),
         Datum::Intrinsics(intrinsics) => self::intrinsics(&intrinsics).into(),
+        Datum::Medium(medium) => inline_table(&fields::medium(&medium, &medium)),
     })
 }
 

@@ -19,7 +19,12 @@ pub fn row<T>(ui: &mut Ui, name: &str, control: impl FnOnce(&mut Ui) -> T) -> T 
 
 /// A menu of a choice's names; `id` is its own in the window.
 pub fn choose<T: Choice>(ui: &mut Ui, id: &str, value: &mut T) {
-    ComboBox::from_id_salt(id).width(150.0).selected_text(value.name()).show_ui(ui, |ui| {
+    choose_in(ui, id, value, 150.0);
+}
+
+/// A choice among what there is, so many points wide.
+pub fn choose_in<T: Choice>(ui: &mut Ui, id: &str, value: &mut T, width: f32) {
+    ComboBox::from_id_salt(id).width(width).selected_text(value.name()).show_ui(ui, |ui| {
         for choice in T::ALL {
             ui.selectable_value(value, *choice, choice.name()).on_hover_text(choice.description());
         }

@@ -3,7 +3,7 @@
 use egui::{DragValue, Slider, SliderClamping, TextEdit, Ui};
 use raggio_render::{Comparison, View};
 
-use super::controls::{choose, row, table};
+use super::controls::{choose, choose_in, row, table};
 use crate::command::Command;
 use crate::fields::Fields;
 use crate::look::Look;
@@ -29,12 +29,23 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Ve
             ui.add_enabled_ui(tone_mapped, |ui| choose(ui, "tones", &mut look.tone_mapper));
         });
         row(ui, "noise", |ui| {
-            let mut denoised = viewer.denoising.is_some();
-            let box_ = ui.add_enabled(tone_mapped, egui::Checkbox::new(&mut denoised, "denoised"));
-            if box_.on_hover_text("Intel Open Image Denoise; files keep their noise").changed() {
-                commands.push(Command::Denoise(denoised));
-            }
+            ui.horizontal(|ui| {
+                let mut denoised = viewer.denoising.is_some();
+                let box_ = ui.add_enabled(tone_mapped, egui::Checkbox::new(&mut denoised, "denoised"));
+                if box_.on_hover_text("Intel Open Image Denoise; files keep their noise").changed() {
+                    commands.push(Command::Denoise(denoised));
+                }
+                let mut in_motion = viewer.settings.denoise_in_motion;
+                ui.label("in motion");
+                ui.add_enabled_ui(tone_mapped && denoised, |ui| choose_in(ui, "in motion", &mut in_motion, 70.0));
+                if in_motion != viewer.settings.denoise_in_motion {
+                    commands.push(Command::DenoiseInMotion(in_motion));
+                }
+            });
         });
+        if let Some(denoising) = &viewer.denoising {
+            row(ui, "", |ui| ui.add(egui::Label::new(egui::RichText::new(denoising.describe()).weak()).wrap()));
+        }
         row(ui, "alpha", |ui| alpha(ui, viewer, commands));
         row(ui, "samples", |ui| samples(ui, viewer, commands));
         row(ui, "depth", |ui| depth(ui, viewer, commands));

@@ -1,13 +1,15 @@
-//! Editor of the scene: shapes, materials, sky.
+//! Editor of the scene: shapes, materials, lights, sky, air.
 
 mod geometry;
+mod light;
 mod material;
+mod medium;
 mod sky;
 
 use std::path::Path;
 
 use egui::{Color32, Rect, Rgba, ScrollArea, Sense, Ui, vec2};
-use raggio_scene::{Geometry, Material, Scene, Vec3, counted};
+use raggio_scene::{Contents, Geometry, Material, Scene, Vec3, counted};
 
 use crate::command::{Command, Edit, Navigate};
 use crate::fields::Fields;
@@ -52,7 +54,11 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, fields: &mut Fields, commands: &mut Ve
         material::show(ui, scene, shape, commands);
     }
     ui.separator();
+    light::show(ui, viewer, commands);
+    ui.separator();
     sky::show(ui, scene, commands);
+    ui.separator();
+    medium::show_air(ui, scene, commands);
 }
 
 /// Draws the button that goes to the selected shape and returns whether it was clicked; a plane is everywhere, so that
@@ -64,12 +70,14 @@ fn go_to(ui: &mut Ui, viewer: &Viewer) -> bool {
 /// Name of a shape: its kind or its file, and its place among all, counted from 1 as in messages about the file.
 pub fn shape_name(scene: &Scene, shape: usize) -> String {
     let number = shape + 1;
-    let placement = scene.entries.get(shape).and_then(|entry| entry.placement.as_ref());
-    if let Some(file) = placement.map(|placement| Path::new(&placement.file)) {
-        return format!("{} {number}", file.file_name().unwrap_or_default().display());
+    match scene.entries.get(shape).map(|entry| &entry.contents) {
+        Some(Contents::Model(placement)) => {
+            format!("{} {number}", Path::new(&placement.file).file_name().unwrap_or_default().display())
+        }
+        Some(Contents::Group(name)) => format!("{name} {number}"),
+        Some(Contents::Geometry(geometry)) => format!("{} {number}", geometry.key()),
+        None => format!("shape {number}"),
     }
-    let kind = scene.shapes_of(shape).first().map_or("shape", |shape| shape.geometry.key());
-    format!("{kind} {number}")
 }
 
 fn history(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
@@ -126,10 +134,17 @@ fn add(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     let size = 0.1 * (camera.look_at - camera.position).length();
     let axes = axes(camera);
     let (right, up) = (axes.right.as_vec3() * size, axes.up.as_vec3() * size);
+    let stand = size * Vec3::Y;
     let kinds = [
         ("Sphere", Geometry::Sphere { center, radius: size }),
         ("Box", Geometry::Box { center, size: Vec3::splat(2.0 * size), rotation_degrees: Vec3::ZERO }),
         ("Rectangle", Geometry::Rectangle { corner: center - right - up, edge_u: 2.0 * right, edge_v: 2.0 * up }),
+        ("Disk", Geometry::Disk { center, normal: Vec3::Y, radius: size }),
+        ("Cylinder", Geometry::Cylinder { base: center - stand, top: center + stand, radius: size, capped: true }),
+        (
+            "Cone",
+            Geometry::Cone { base: center - stand, top: center + stand, radius: size, top_radius: 0.0, capped: true },
+        ),
         ("Plane", Geometry::Plane { point: center, normal: Vec3::Y }),
     ];
     let material = viewer.selection.and_then(|shape| scene.entries[shape].material).unwrap_or(0);

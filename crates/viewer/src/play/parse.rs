@@ -55,6 +55,7 @@ pub static WORDS: LazyLock<Vec<(&str, String)>> = LazyLock::new(|| {
         ("exposure", "STOPS"),
         ("tones", &one_of::<ToneMapper>()),
         ("denoise", "on | off"),
+        ("denoise-in-motion", "auto | always | never"),
         ("reference", "FILE | none"),
         ("compare", &one_of::<Comparison>()),
         ("scene-size", "on | off"),
@@ -202,6 +203,7 @@ fn parameters(word: &str, words: &[&str]) -> Option<Step> {
         ("tones", [name]) => Command::Tones(name.parse().ok()?),
         ("denoise", ["on"]) => Command::Denoise(true),
         ("denoise", ["off"]) => Command::Denoise(false),
+        ("denoise-in-motion", [way]) => Command::DenoiseInMotion(way.parse().ok()?),
         ("compare", [name]) => Command::Compare(name.parse().ok()?),
         ("scene-size", ["on"]) => Command::SceneSize(true),
         ("scene-size", ["off"]) => Command::SceneSize(false),
@@ -297,7 +299,7 @@ mod tests {
             drag Shift+middle 1,2 3,4 over 1 s\nwheel -1.5\norbit 90 over 9 frames\nhome\n\
             camera position=[0, 1, 4] look_at=[0,1,0] vertical_fov_degrees=40\npreset blender\nset a.b [1, 0, 0]\nselect 2\ndelete\nduplicate\n\
             add sphere 0,1,2 0.5\nundo\nredo\nsave a b.toml\nreload\nopen x.toml\nview normal\nexposure -1\n\
-            tones agx\ndenoise on\nreference none\ncompare split\nscene-size on\nfill on\npause\nrestart\nstop-at 5\nsamples-per-frame auto\npanels\nhelp\nexport a.exr 64x48 9\n\
+            tones agx\ndenoise on\ndenoise-in-motion never\nreference none\ncompare split\nscene-size on\nfill on\npause\nrestart\nstop-at 5\nsamples-per-frame auto\npanels\nhelp\nexport a.exr 64x48 9\n\
             screenshot a.png\nsize 64x48\nscale 2\nminimise\nrestore\nsection moving\nlose-device\nquit";
         let words: Vec<_> = examples.lines().map(|line| split(line.trim()).0).collect();
         assert_eq!(words, WORDS.iter().map(|(word, _)| *word).collect::<Vec<_>>());

@@ -23,7 +23,7 @@ fn tracer(size: [u32; 2]) -> Tracer {
 /// Traces frames until each pixel of the whole picture has a sample.
 fn settle(tracer: &mut Tracer) {
     for _ in 0..10_000 {
-        tracer.trace(0.01).expect("it traces");
+        tracer.trace(0.01, 0.01).expect("it traces");
         if tracer.is_whole() {
             return;
         }
@@ -59,11 +59,11 @@ fn after_a_change_the_picture_is_coarse_at_once_and_whole_soon() {
     tracer.set_camera(&Camera { position: Vec3::new(0.5, 1.0, 4.0), ..scene().camera }, true).expect("a camera");
     assert!(tracer.is_moving() && !tracer.settled());
     // Less time than a sample of every pixel takes.
-    tracer.trace(0.004).expect("it traces");
+    tracer.trace(0.004, 0.004).expect("it traces");
     let [width, height] = tracer.film_size();
     assert!(width < 900 && height < 700, "{width} x {height}");
     let seen = (0..5).any(|_| {
-        tracer.trace(0.05).expect("it traces");
+        tracer.trace(0.05, 0.05).expect("it traces");
         tracer.progress().samples > 0
     });
     assert!(seen, "there is something to see");
@@ -82,7 +82,7 @@ fn however_slow_the_device_each_frame_shows_where_a_moving_camera_is() {
             let camera = Camera { position: Vec3::new(0.1 * step as f32, 1.0, 4.0), ..scene().camera };
             tracer.set_camera(&camera, true).expect("a camera");
             taken.lock().expect("no panic").clear();
-            tracer.trace(FRAME).expect("it traces");
+            tracer.trace(FRAME, FRAME).expect("it traces");
             let picture = tracer.display(Look::default()).expect("it displays");
             let (Pixels::Host(pixels), size) = picture.expect("something new") else { panic!("the pixels are here") };
             assert_eq!((pixels.len(), size), (size.iter().product::<u32>() as usize, tracer.film_size()));
@@ -109,7 +109,7 @@ fn paths_are_shortened_only_where_the_coarsest_film_is_too_fine_and_until_the_ca
         let depths = (0..20).map(|step| {
             let camera = Camera { position: Vec3::new(0.1 * step as f32, 1.0, 4.0), ..scene().camera };
             tracer.set_camera(&camera, true).expect("a camera");
-            tracer.trace(0.003).expect("it traces");
+            tracer.trace(0.003, 0.003).expect("it traces");
             depth(&tracer)
         });
         let depths = depths.collect::<Vec<_>>();
@@ -117,7 +117,7 @@ fn paths_are_shortened_only_where_the_coarsest_film_is_too_fine_and_until_the_ca
         let as_expected = depths[1..].iter().filter(|depth| **depth == (while_moving, whole)).count();
         assert!(as_expected >= if while_moving == whole { 1 } else { 19 }, "{depths:?}");
         std::thread::sleep(REST);
-        (0..3).for_each(|_| tracer.trace(0.003).expect("it traces"));
+        (0..3).for_each(|_| tracer.trace(0.003, 0.003).expect("it traces"));
         assert_eq!(depth(&tracer), (whole, whole));
     }
 }
@@ -126,12 +126,12 @@ fn paths_are_shortened_only_where_the_coarsest_film_is_too_fine_and_until_the_ca
 fn another_view_is_shown_at_once_and_leaves_the_radiance_that_there_is() {
     let mut tracer = tracer([400, 300]);
     settle(&mut tracer);
-    (0..20).for_each(|_| tracer.trace(0.005).expect("it traces"));
+    (0..20).for_each(|_| tracer.trace(0.005, 0.005).expect("it traces"));
     let (before, samples) = tracer.radiance().expect("it traces");
     for view in [View::Normal, View::Depth, View::Albedo, View::Hit, View::Bounces, View::Radiance] {
         tracer.set_view(view).expect("a film");
         // Less time than a sample of every pixel takes.
-        tracer.trace(1e-5).expect("it traces");
+        tracer.trace(1e-5, 1e-5).expect("it traces");
         let look = Look { view, ..Look::default() };
         let (_, size) = tracer.display(look).expect("it displays").unwrap_or_else(|| panic!("{view} shows nothing"));
         assert_eq!(size, [400, 300]);

@@ -1,6 +1,6 @@
 //! Changes of the scene.
 
-use raggio_scene::Material;
+use raggio_scene::{Contents, Material};
 
 use super::Viewer;
 use crate::command::Edit;
@@ -12,8 +12,12 @@ impl Viewer {
         // All that a hand does to one control until it lets go is one step to undo.
         match &edit {
             Edit::Material(index, _) => self.document.begin_gesture(&format!("material {index}")),
-            Edit::Shape(index, ..) | Edit::Model(index, ..) => self.document.begin_gesture(&format!("shape {index}")),
+            Edit::Shape(index, ..) | Edit::Model(index, ..) | Edit::Transform(index, _) => {
+                self.document.begin_gesture(&format!("shape {index}"))
+            }
+            Edit::Light(index, _) => self.document.begin_gesture(&format!("light {index}")),
             Edit::Environment(_) => self.document.begin_gesture("environment"),
+            Edit::Air(_) => self.document.begin_gesture("air"),
             Edit::Render(_) => self.document.begin_gesture("render"),
             _ => self.document.end_gesture(),
         }
@@ -23,17 +27,20 @@ impl Viewer {
                 Edit::Material(index, material) => document.set_material(index, &material)?,
                 Edit::NewMaterial { shape } => {
                     let scene = document.scene();
-                    let Some(current) = scene.shapes_of(shape).first().cloned() else { return Ok(false) };
-                    let placement = scene.entries[shape].placement.clone();
-                    let material = scene.materials[current.material].clone();
+                    let Some(entry) = scene.entries.get(shape).cloned() else { return Ok(false) };
+                    let Some(current) = entry.material else { return Ok(false) };
+                    let material = scene.materials[current].clone();
                     let copy = document.add_material(&material.name, &material)?;
-                    match placement {
-                        Some(placement) => document.set_model(shape, &placement, Some(copy))?,
-                        None => document.set_shape(shape, &current.geometry, copy)?,
+                    match entry.contents {
+                        Contents::Model(placement) => document.set_model(shape, &placement, Some(copy))?,
+                        Contents::Geometry(geometry) => document.set_shape(shape, &geometry, copy)?,
+                        Contents::Group(_) => document.set_group(shape, Some(copy))?,
                     }
                 }
                 Edit::Shape(index, geometry, material) => document.set_shape(index, &geometry, material)?,
                 Edit::Model(index, placement, material) => document.set_model(index, &placement, material)?,
+                Edit::Group(index, material) => document.set_group(index, material)?,
+                Edit::Transform(index, transform) => document.set_transform(index, &transform)?,
                 Edit::Add(geometry, material) => {
                     if document.scene().materials.is_empty() {
                         document.add_material("clay", &clay())?;
@@ -41,7 +48,14 @@ impl Viewer {
                     added = Some(document.add_shape(&geometry, material)?);
                     true
                 }
+                Edit::Light(index, light) => document.set_light(index, &light)?,
+                Edit::AddLight(light) => {
+                    document.add_light(&light)?;
+                    true
+                }
+                Edit::RemoveLight(index) => document.remove_light(index)?,
                 Edit::Environment(environment) => document.set_environment(&environment)?,
+                Edit::Air(air) => document.set_air(air.as_ref())?,
                 Edit::Camera(camera) => document.set_camera(&camera)?,
                 Edit::Render(settings) => document.set_render(&settings)?,
                 Edit::Key(key, value) => document.edit_path(&key, &value)?,

@@ -131,13 +131,13 @@ impl Viewer {
 
     /// Compiles the kernels in `folder` again whenever they change.
     pub(crate) fn watch_kernels(&mut self, folder: &Path) -> Result<(), ViewError> {
-        if self.tracer.device().vulkan().is_none() {
+        let Some(context) = self.tracer.device().vulkan() else {
             self.notices
                 .warn("kernels are compiled again for Vulkan devices alone: those of the CPU are part of the program");
             return Ok(());
-        }
+        };
         let wake = self.wake.clone();
-        self.kernels = Some(KernelWatch::new(folder, move || wake())?);
+        self.kernels = Some(KernelWatch::new(folder, context.has_ray_queries(), move || wake())?);
         Ok(())
     }
 

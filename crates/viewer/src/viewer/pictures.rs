@@ -29,6 +29,7 @@ impl Viewer {
     pub(crate) fn sample(&mut self) -> Result<(), ViewError> {
         let pace = match () {
             () if self.tracer.is_coarse() => Pace::Fluent,
+            () if self.tracer.is_moving() && self.denoises_in_motion() => Pace::Whole,
             () if self.untouched.elapsed() > UNTOUCHED && self.tracer.settled() => Pace::Alone,
             () => Pace::Display,
         };
@@ -39,7 +40,7 @@ impl Viewer {
             Some(export) if whole => self.advance_export(export, budget),
             export => {
                 self.export = export;
-                self.trace(whole, budget)
+                self.trace(whole, budget, self.clock.patience(pace, budget))
             }
         };
         self.clock.sampled(start.elapsed().as_secs_f64(), budget);
@@ -48,14 +49,14 @@ impl Viewer {
     }
 
     /// Spends the `budget`, in seconds, on the denoiser's guides before more samples, also where no more are taken.
-    fn trace(&mut self, whole: bool, budget: f64) -> Result<(), ViewError> {
+    fn trace(&mut self, whole: bool, budget: f64, patience: f64) -> Result<(), ViewError> {
         if whole {
             let prepared = self.denoise(|denoising, tracer| denoising.prepare(tracer, budget))?;
             if prepared == Some(true) || self.settings.paused {
                 return Ok(());
             }
         }
-        self.tracer.trace(budget)
+        self.tracer.trace(budget, patience)
     }
 
     /// Does something for the denoiser, if there is one; denoising ends where that fails.
@@ -93,10 +94,33 @@ impl Viewer {
     /// The picture without its noise, if it is wanted and there is one. Comparisons are with the picture as computed.
     fn denoised(&mut self) -> Result<Option<Denoised>, ViewError> {
         self.denoise(|denoising, tracer| denoising.follow(tracer))?;
-        let Some(denoising) = &mut self.denoising else { return Ok(None) };
-        let look = self.settings.look;
+        let (look, in_motion) = (self.settings.look, self.settings.denoise_in_motion);
         let shown = look.view == View::Radiance && (self.reference.is_none() || look.comparison == Comparison::Off);
-        Ok(shown.then(|| denoising.picture(look.of_files())).flatten())
+        let found = self.denoise(|denoising, tracer| {
+            if shown {
+                return denoising.picture(tracer, look.of_files(), in_motion);
+            }
+            denoising.forget_shown();
+            Ok(None)
+        })?;
+        if let Some(complaint) = self.denoising.as_mut().and_then(Denoising::complaint) {
+            self.notices.warn(complaint);
+        }
+        Ok(found.flatten())
+    }
+
+    /// Begins to denoise, or ends it.
+    pub(super) fn set_denoising(&mut self, on: bool) -> Result<(), ViewError> {
+        let gpu = || raggio_render::gpu_of(self.tracer.device());
+        self.denoising = if on { Some(Denoising::begin(gpu(), self.wake.clone())?) } else { None };
+        self.tracer.show_again();
+        Ok(())
+    }
+
+    /// Whether the frame under way has to be denoised, and so to be of full size.
+    fn denoises_in_motion(&self) -> bool {
+        let wanted = self.settings.denoise_in_motion;
+        self.denoising.as_ref().is_some_and(|denoising| denoising.is_in_motion(wanted))
     }
 
     /// Reads the pixel and the surface under a point of the picture (0 to 1 from the top left), and a row of the film

@@ -1,6 +1,6 @@
 //! Every edit on every way to write a scene.
 
-use raggio_scene::{Environment, Filter, Geometry, Projection, Reflection, Vec3};
+use raggio_scene::{Environment, Filter, Geometry, Medium, Projection, Reflection, Vec3};
 
 use crate::document::{DOTTED, FORMS, HEADERS, INLINE, ball, check, document, edited, with};
 
@@ -115,6 +115,47 @@ fn a_material_gets_and_loses_keys() {
         assert_eq!(it.scene().materials[0], material);
         assert!(it.text().contains("reflection = \"fresnel\"") && !it.text().contains("refractive_index"));
     }
+}
+
+#[test]
+fn media_come_change_and_go() {
+    let fog = Medium { scattering: Vec3::splat(0.5), absorption: Vec3::new(0.1, 0.2, 0.3), anisotropy: 0.25 };
+    let thicker = Medium { scattering: Vec3::new(1.0, 2.0, 3.0), absorption: Vec3::ZERO, ..fog };
+    for text in FORMS {
+        let mut it = document(text);
+        // In a body: beside its refractive index.
+        let mut material = it.scene().materials[0].clone();
+        (material.refractive_index, material.medium) = (Some(1.5), Some(fog));
+        assert!(it.set_material(0, &material).unwrap());
+        assert_eq!(it.scene().materials[0], material);
+        assert!(
+            it.text().contains("{ absorption = [0.1, 0.2, 0.3], scattering = 0.5, anisotropy = 0.25 }"),
+            "{}",
+            it.text()
+        );
+        material.medium = Some(thicker);
+        assert!(it.set_material(0, &material).unwrap());
+        assert_eq!(it.scene().materials[0], material);
+        material.medium = None;
+        assert!(it.set_material(0, &material).unwrap());
+        assert_eq!(it.scene().materials[0], material);
+
+        // In the air.
+        for air in [Some(fog), Some(thicker), None] {
+            assert!(it.set_air(air.as_ref()).unwrap());
+            assert_eq!(it.scene().air, air);
+            check(&it);
+        }
+        assert!(!it.text().contains("air"), "{}", it.text());
+    }
+    // A table of its own keeps its place and its comments.
+    let text = format!("{HEADERS}[materials.mist.medium] # thin\nscattering = 0.5 # a little\nanisotropy = 0.25\n");
+    let mut it = document(&text);
+    let place = it.scene().materials.iter().position(|material| material.name == "mist").unwrap();
+    let mut material = it.scene().materials[place].clone();
+    material.medium = Some(Medium { scattering: Vec3::splat(0.75), ..material.medium.unwrap() });
+    assert!(it.set_material(place, &material).unwrap());
+    assert!(it.text().contains("# thin\nscattering = 0.75 # a little\nanisotropy = 0.25"), "{}", it.text());
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Shapes that come and go, and the comments around them.
 
-use raggio_scene::Shape;
+use raggio_scene::{LightEntry, LightPlace, Shape, Vec3};
 
 use crate::document::{DOTTED, FORMS, HEADERS, INLINE, ball, check, document, edited, with};
 
@@ -90,4 +90,33 @@ fn tables_in_any_order_stay_in_it() {
     let material = document(text).scene().materials[0].clone();
     let added = edited(text, |it| it.add_material("c", &material).is_ok());
     assert_eq!(added, with(text, "[materials.b]\n", "[materials.b]\n\n[materials.c]\n"));
+}
+
+#[test]
+fn lights_come_and_go() {
+    let light = |intensity| LightEntry {
+        place: LightPlace::Point { position: Vec3::new(0.0, 2.5, 0.0) },
+        color: Vec3::new(1.0, 0.5, 0.25),
+        intensity,
+    };
+    for text in FORMS {
+        let mut it = document(text);
+        assert_eq!(it.add_light(&light(3.0)).unwrap(), 0);
+        assert_eq!(it.add_light(&light(1.0)).unwrap(), 1);
+        check(&it);
+        let written = "[[lights]]\npoint = { position = [0, 2.5, 0], color = [1, 0.5, 0.25], intensity = 3 }\n";
+        assert!(it.text().contains(written), "{}", it.text());
+        // What is meant by a key's absence is not written.
+        let last = "[[lights]]\npoint = { position = [0, 2.5, 0], color = [1, 0.5, 0.25] }\n";
+        assert!(it.text().contains(last), "{}", it.text());
+        let sun = LightPlace::Directional { direction: Vec3::NEG_Y, angle_degrees: 0.5 };
+        assert!(it.set_light(1, &LightEntry { place: sun, ..light(2.0) }).unwrap());
+        assert_eq!(it.scene().light_entries[1].place, sun);
+        assert!(it.text().contains("directional = { direction = [0, -1, 0], angle_degrees = 0.5, "), "{}", it.text());
+        assert!(it.set_light(0, &LightEntry { color: Vec3::ONE, ..light(3.0) }).unwrap());
+        assert!(it.remove_light(1).unwrap() && it.remove_light(0).unwrap());
+        assert_eq!(it.remove_light(0).unwrap_err().to_string(), "there is no light 1: the scene has 0 lights");
+        assert_eq!(it.scene(), document(text).scene());
+        check(&it);
+    }
 }

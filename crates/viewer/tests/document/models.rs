@@ -34,7 +34,7 @@ fn opened() -> (tempfile::TempDir, Document) {
 }
 
 fn placement(it: &Document) -> Placement {
-    it.scene().entries[0].placement.clone().unwrap()
+    it.scene().entries[0].placement().cloned().unwrap()
 }
 
 /// Position of the model's corner (0, 2, 0) in the scene.
@@ -114,7 +114,7 @@ fn a_model_is_opened_as_a_scene_beside_it() {
     let scene = folder.path().join("it.toml");
     assert_eq!((it.path(), it.is_modified(), it.changed_on_disk()), (scene.as_path(), false, false));
     assert!(!it.reload().unwrap());
-    let moved = Placement { translation: Vec3::X, ..it.scene().entries[1].placement.clone().unwrap() };
+    let moved = Placement { translation: Vec3::X, ..it.scene().entries[1].placement().cloned().unwrap() };
     let clay = it.scene().entries[1].material;
     it.set_model(1, &moved, clay).unwrap();
     assert!(it.is_modified());

@@ -1,7 +1,7 @@
 //! Properties of random edits: the text says what the scene is, and undoing all of them gives the first text back.
 
 use proptest::prelude::*;
-use raggio_scene::{Environment, Geometry, Reflection, Shape, Vec3};
+use raggio_scene::{Environment, Geometry, LightEntry, LightPlace, Reflection, Shape, Vec3};
 use raggio_viewer::document::Document;
 
 use crate::document::{FORMS, check, document};
@@ -15,6 +15,9 @@ enum Act {
     AddShape(Geometry, usize),
     Remove(usize),
     Duplicate(usize),
+    Light(usize, LightEntry),
+    AddLight(LightEntry),
+    RemoveLight(usize),
     Environment(Vec3, Option<Vec3>),
     Render(u32),
     Path(usize, f32),
@@ -38,9 +41,35 @@ fn geometry() -> impl Strategy<Value = Geometry> {
             edge_u: Vec3::X * u,
             edge_v: Vec3::Z
         }),
+        (vector(-9.0..9.0), vector(-1.0..1.0), -0.1f32..2.0).prop_map(|(center, normal, radius)| Geometry::Disk {
+            center,
+            normal,
+            radius
+        }),
+        (vector(-9.0..9.0), vector(-9.0..9.0), -0.1f32..2.0, any::<bool>())
+            .prop_map(|(base, top, radius, capped)| Geometry::Cylinder { base, top, radius, capped }),
+        (vector(-9.0..9.0), vector(-9.0..9.0), 1.0f32..2.0, -0.1f32..1.1, any::<bool>()).prop_map(
+            |(base, top, radius, top_radius, capped)| Geometry::Cone { base, top, radius, top_radius, capped }
+        ),
         (vector(-9.0..9.0), vector(0.0..2.0), vector(-90.0..90.0))
             .prop_map(|(center, size, rotation_degrees)| Geometry::Box { center, size, rotation_degrees }),
     ]
+}
+
+/// Lights, some of them out of range.
+fn light() -> impl Strategy<Value = LightEntry> {
+    let direction = || vector(-1.0..1.0);
+    let place = prop_oneof![
+        vector(-9.0..9.0).prop_map(|position| LightPlace::Point { position }),
+        (vector(-9.0..9.0), direction(), 0.0f32..50.0, 40.0f32..95.0).prop_map(
+            |(position, direction, inner_degrees, outer_degrees)| {
+                LightPlace::Spot { position, direction, inner_degrees, outer_degrees }
+            }
+        ),
+        (direction(), prop_oneof![Just(0.0), 0.0f32..0.02, 0.0f32..181.0])
+            .prop_map(|(direction, angle_degrees)| LightPlace::Directional { direction, angle_degrees }),
+    ];
+    (place, vector(0.0..2.0), -0.1f32..9.0).prop_map(|(place, color, intensity)| LightEntry { place, color, intensity })
 }
 
 fn act() -> impl Strategy<Value = Act> {
@@ -53,6 +82,9 @@ fn act() -> impl Strategy<Value = Act> {
         (geometry(), index.clone()).prop_map(|(it, material)| Act::AddShape(it, material)),
         index.clone().prop_map(Act::Remove),
         index.clone().prop_map(Act::Duplicate),
+        (index.clone(), light()).prop_map(|(i, it)| Act::Light(i, it)),
+        light().prop_map(Act::AddLight),
+        index.clone().prop_map(Act::RemoveLight),
         (vector(-0.1..1.0), prop::option::of(vector(0.0..1.0))).prop_map(|(a, b)| Act::Environment(a, b)),
         (0u32..300).prop_map(Act::Render),
         (index, -0.1f32..1.0).prop_map(|(i, x)| Act::Path(i, x)),
@@ -95,6 +127,15 @@ fn perform(it: &mut Document, act: &Act) -> bool {
             let copy = Shape { entry: index, ..it.scene().shapes[copy].clone() };
             copy == it.scene().shapes[index]
         }),
+        Act::Light(index, light) => {
+            it.set_light(index, &light).is_ok_and(|_| is_like_light(&it.scene().light_entries[index], &light))
+        }
+        Act::AddLight(light) => {
+            it.add_light(&light).is_ok_and(|index| is_like_light(&it.scene().light_entries[index], &light))
+        }
+        Act::RemoveLight(index) => {
+            it.remove_light(index).is_ok_and(|_| it.scene().light_entries.len() + 1 == scene.light_entries.len())
+        }
         Act::Environment(color, zenith) => {
             let environment = match zenith {
                 Some(zenith) => Environment::Gradient { horizon: color, zenith },
@@ -126,8 +167,29 @@ fn is_like(read: &Geometry, written: &Geometry) -> bool {
         (Geometry::Plane { point, normal }, Geometry::Plane { point: p, normal: n }) => {
             point == p && normal.abs_diff_eq(n.normalize(), 1e-6)
         }
+        (Geometry::Disk { center, normal, radius }, Geometry::Disk { center: c, normal: n, radius: r }) => {
+            center == c && normal.abs_diff_eq(n.normalize(), 1e-6) && radius == r
+        }
         _ => read == written,
     }
+}
+
+/// Whether a light was read as it was written; directions are made unit vectors when they are read.
+fn is_like_light(read: &LightEntry, written: &LightEntry) -> bool {
+    let unit = |direction: &mut Vec3, other: Vec3| {
+        let is_near = direction.abs_diff_eq(other.normalize(), 1e-6);
+        *direction = other;
+        is_near
+    };
+    let mut read = *read;
+    let is_near = match (&mut read.place, written.place) {
+        (LightPlace::Spot { direction, .. }, LightPlace::Spot { direction: other, .. })
+        | (LightPlace::Directional { direction, .. }, LightPlace::Directional { direction: other, .. }) => {
+            unit(direction, other)
+        }
+        _ => true,
+    };
+    is_near && read == *written
 }
 
 proptest! {

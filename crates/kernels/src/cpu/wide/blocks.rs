@@ -10,6 +10,7 @@ const SPHERES: u32 = 0;
 const RECTANGLES: u32 = 1;
 const BOXES: u32 = 2;
 const INSTANCE: u32 = 3;
+const ROUNDS: u32 = 4;
 
 /// `Block` of `cpp/traversal.h`.
 #[repr(C, align(16))]
@@ -73,19 +74,21 @@ pub(super) struct Blocks {
     pub spheres: Vec<Block<4>>,
     pub rectangles: Vec<Block<14>>,
     pub boxes: Vec<Block<15>>,
+    pub rounds: Vec<Block<16>>,
 }
 
 impl Blocks {
     /// Whether shapes of this kind can be added.
     pub fn holds(kind: u32) -> bool {
-        let known = [ShapeKind::Sphere, ShapeKind::Rectangle, ShapeKind::Box, ShapeKind::Instance];
+        let known = [ShapeKind::Sphere, ShapeKind::Rectangle, ShapeKind::Box, ShapeKind::Round, ShapeKind::Instance];
         known.iter().any(|known| *known as u32 == kind)
     }
 
     /// Bytes of all lists.
     pub fn bytes(&self) -> usize {
-        let Self { instances, spheres, rectangles, boxes } = self;
-        size_of_val(&instances[..]) + size_of_val(&spheres[..]) + size_of_val(&rectangles[..]) + size_of_val(&boxes[..])
+        let Self { instances, spheres, rectangles, boxes, rounds } = self;
+        let of_blocks = size_of_val(&spheres[..]) + size_of_val(&rectangles[..]) + size_of_val(&boxes[..]);
+        size_of_val(&instances[..]) + of_blocks + size_of_val(&rounds[..])
     }
 
     /// Adds up to four `shapes` of one kind, or one instance, and returns the reference to the leaf that holds them.
@@ -108,6 +111,9 @@ impl Blocks {
         } else if kind == ShapeKind::Box as u32 {
             let rows = all.map(|(place, shape)| (place, shape, cuboid(&buffers.boxes[index(shape)])));
             push(&mut self.boxes, Block::new(rows), BOXES)
+        } else if kind == ShapeKind::Round as u32 {
+            let rows = all.map(|(place, shape)| (place, shape, round(&buffers.rounds[index(shape)])));
+            push(&mut self.rounds, Block::new(rows), ROUNDS)
         } else {
             let (place, shape) = first;
             let record = InstanceRecord { shape: place, ..record(&buffers.instances[index(shape)]) };
@@ -138,6 +144,11 @@ fn rectangle(rectangle: &crate::Rectangle) -> [f32; 14] {
 fn cuboid(cuboid: &crate::Box) -> [f32; 15] {
     let crate::Box { center, half_size, axis_x, axis_y, axis_z, .. } = cuboid;
     joined([center, half_size, axis_x, axis_y, axis_z])
+}
+
+fn round(round: &crate::Round) -> [f32; 16] {
+    let crate::Round { base, axis_x, axis_y, axis_z, radius, height, slope, capped, .. } = *round;
+    joined([&base, &axis_x, &axis_y, &axis_z, &[radius, height, slope, capped as f32]])
 }
 
 /// All numbers of `parts`, one part after the other.

@@ -3,7 +3,7 @@
 use raggio_kernels::{
     AlphaMode as DeviceAlphaMode, Material as DeviceMaterial, NO_TEXTURE, NONE, Principled as DevicePrincipled,
 };
-use raggio_scene::{AlphaMode, Material, Principled, Reflection, Texture};
+use raggio_scene::{AlphaMode, Material, Medium, Principled, Reflection, Texture};
 
 use super::TranslationError;
 use crate::translation::textures::{ColorSpace, TextureTable};
@@ -16,7 +16,12 @@ pub(super) struct Materials {
 }
 
 impl Materials {
-    pub fn new(materials: &[Material], textures: &mut TextureTable) -> Result<Self, TranslationError> {
+    /// Materials of a scene, and behind them that of the air if it has any.
+    pub fn new(
+        materials: &[Material],
+        air: Option<&Medium>,
+        textures: &mut TextureTable,
+    ) -> Result<Self, TranslationError> {
         let mut list = Self::default();
         for material in materials {
             let translated = match &material.principled {
@@ -26,14 +31,28 @@ impl Materials {
                     body(principled, list.principled.len() as u32 - 1)
                 }
             };
-            list.materials.push(translated);
+            let medium = material.medium.filter(|_| material.is_dielectric());
+            list.materials.push(medium.map_or(translated, |medium| filled(translated, &medium)));
         }
+        // Every other body goes before the air.
+        let nothing = DeviceMaterial { refractive_index: 1.0, priority: i32::MIN, seamless: 1, ..white() };
+        list.materials.extend(air.map(|air| filled(nothing, air)));
         Ok(list)
     }
 
     /// Whether any of the materials takes light away inside its bodies.
     pub fn absorbing(&self) -> bool {
         self.materials.iter().any(|material| material.absorption != [0.0; 3])
+    }
+
+    /// Whether any of the materials scatters light inside its bodies.
+    pub fn scattering(&self) -> bool {
+        self.materials.iter().any(|material| material.scattering != [0.0; 3])
+    }
+
+    /// Whether bodies of any of the materials have no surface.
+    pub fn seamless(&self) -> bool {
+        self.materials.iter().any(|material| material.seamless != 0)
     }
 }
 
@@ -52,7 +71,22 @@ pub(super) fn has_holes(material: &Material) -> bool {
     material.principled.as_ref().is_some_and(|principled| principled.alpha_mode != AlphaMode::Opaque)
 }
 
+/// `material` with what its bodies are filled with.
+fn filled(material: DeviceMaterial, medium: &Medium) -> DeviceMaterial {
+    let absorption = std::array::from_fn(|c| material.absorption[c] + medium.absorption[c]);
+    DeviceMaterial { absorption, scattering: medium.scattering.to_array(), asymmetry: medium.anisotropy, ..material }
+}
+
+/// White material without any properties.
+fn white() -> DeviceMaterial {
+    DeviceMaterial { color: [1.0; 3], reflection: -1.0, principled: NONE, ..DeviceMaterial::default() }
+}
+
 fn plain(material: &Material) -> DeviceMaterial {
+    if material.is_seamless() {
+        // What bends light may be around it: then it has a boundary, which is all white.
+        return DeviceMaterial { refractive_index: 1.0, priority: material.priority, seamless: 1, ..white() };
+    }
     DeviceMaterial {
         color: material.color.to_array(),
         emission: (material.emission_color * material.emission_strength).to_array(),
@@ -63,9 +97,7 @@ fn plain(material: &Material) -> DeviceMaterial {
             Reflection::Probability(p) => p,
         },
         priority: material.priority,
-        absorption: [0.0; 3],
-        dispersion: 0.0,
-        principled: NONE,
+        ..white()
     }
 }
 

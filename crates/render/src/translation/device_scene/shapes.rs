@@ -2,9 +2,9 @@
 
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use raggio_kernels::{
-    Box as DeviceBox, Instance, NONE, Plane, Rectangle, SceneBuffers, ShapeKind, ShapeReference, Sphere,
+    Box as DeviceBox, Instance, NONE, Plane, Rectangle, Round, SceneBuffers, ShapeKind, ShapeReference, Sphere,
 };
-use raggio_scene::{Geometry, Material, Shape, rotation};
+use raggio_scene::{Geometry, Material, Shape, axes_around, rotation};
 
 use super::materials::has_holes;
 use crate::translation::bounds::instance_scale;
@@ -18,6 +18,7 @@ pub(super) struct Shapes<'a> {
     planes: Vec<Plane>,
     rectangles: Vec<Rectangle>,
     boxes: Vec<DeviceBox>,
+    rounds: Vec<Round>,
     instances: Vec<Instance>,
 }
 
@@ -60,6 +61,21 @@ impl<'a> Shapes<'a> {
                 let cuboid = DeviceBox { center, half_size, axis_x, axis_y, axis_z, material };
                 reference(ShapeKind::Box, push(&mut self.boxes, cuboid))
             }
+            Geometry::Disk { center, normal, radius } => {
+                let disk = round(*center, normal.as_dvec3(), [*radius; 2], 0.0);
+                let disk = Round { capped: 1, material, ..disk };
+                reference(ShapeKind::Round, push(&mut self.rounds, disk))
+            }
+            Geometry::Cylinder { base, top, radius, capped } => {
+                let cylinder = between(*base, *top, [*radius; 2]);
+                let cylinder = Round { capped: u32::from(*capped), material, ..cylinder };
+                reference(ShapeKind::Round, push(&mut self.rounds, cylinder))
+            }
+            Geometry::Cone { base, top, radius, top_radius, capped } => {
+                let cone = between(*base, *top, [*radius, *top_radius]);
+                let cone = Round { capped: u32::from(*capped), material, ..cone };
+                reference(ShapeKind::Round, push(&mut self.rounds, cone))
+            }
             Geometry::Mesh { mesh, world_from_mesh, first_material } => {
                 let place = meshes.place(mesh).unwrap_or_default();
                 let instance = Instance {
@@ -83,6 +99,7 @@ impl<'a> Shapes<'a> {
         buffers.planes = self.planes.into();
         buffers.rectangles = self.rectangles.into();
         buffers.boxes = self.boxes.into();
+        buffers.rounds = self.rounds.into();
         buffers.instances = self.instances.into();
     }
 }
@@ -91,6 +108,21 @@ impl<'a> Shapes<'a> {
 fn push<T>(list: &mut Vec<T>, shape: T) -> u32 {
     list.push(shape);
     list.len() as u32 - 1
+}
+
+/// Shape between circles of these radii around two points.
+fn between(base: Vec3, top: Vec3, radii: [f32; 2]) -> Round {
+    let way = top.as_dvec3() - base.as_dvec3();
+    round(base, way.normalize(), radii, way.length())
+}
+
+/// Shape between circles of these radii, the first around `base`, the second `height` along the unit vector `axis`.
+fn round(base: Vec3, axis: DVec3, radii: [f32; 2], height: f64) -> Round {
+    let [radius, top_radius] = radii;
+    let slope = if height > 0.0 { (f64::from(top_radius) - f64::from(radius)) / height } else { 0.0 };
+    let [axis_x, axis_y, axis_z] = axes_around(axis).map(|axis| axis.as_vec3().to_array());
+    let (base, height, slope) = (base.to_array(), height as f32, slope as f32);
+    Round { base, radius, axis_x, axis_y, axis_z, height, top_radius, slope, ..Round::default() }
 }
 
 fn rows(map: &DAffine3) -> [[f32; 4]; 3] {

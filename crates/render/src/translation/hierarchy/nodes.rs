@@ -166,7 +166,7 @@ fn join(mut top: Hierarchy, links: &[Link], parts: &[Hierarchy]) -> Hierarchy {
 }
 
 /// Room that boxes get on each side that have `all` around them.
-pub(super) fn room(all: Bounds) -> Vec3A {
+pub(crate) fn room(all: Bounds) -> Vec3A {
     Vec3A::splat(ROOM * all.0.abs().max(all.1.abs()).max_element())
 }
 

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 use raggio_kernels::{
-    Emitter, EmitterKind, Instance, Light, LightKind, NO_TEXTURE, NONE, PrincipledTexture, SceneBuffers, ShapeKind,
-    ShapeReference,
+    Emitter, EmitterKind, Instance, Light, LightKind, NO_TEXTURE, NONE, PrincipledTexture, ROUND_BOTTOM, ROUND_SIDE,
+    ROUND_TOP, Round, SceneBuffers, ShapeKind, ShapeReference,
 };
 
 use super::bounds::LightBounds;
@@ -96,8 +96,48 @@ fn list_shape(buffers: &SceneBuffers, place: usize, shape: &ShapeReference, radi
                 listed.push(EmitterKind::BoxFace, place, face, bounds);
             }
         }
+    } else if is(ShapeKind::Round) {
+        let round = &buffers.rounds[index];
+        list_round(place, round, radiance[round.material as usize], listed);
     } else if is(ShapeKind::Instance) {
         list_triangles(buffers, place, &buffers.instances[index], radiance, listed);
+    }
+}
+
+fn list_round(place: usize, round: &Round, radiance: f32, listed: &mut Listed) {
+    if radiance <= 0.0 {
+        return;
+    }
+    let [base, axis] = [round.base, round.axis_z].map(Vec3::from);
+    let top = base + round.height * axis;
+    // A circle reaches along an axis as far as the sine of its own axis' angle with that.
+    let across = Vec3::new(axis.y.hypot(axis.z), axis.z.hypot(axis.x), axis.x.hypot(axis.y));
+    let circle = |center: Vec3, radius: f32| (center - radius * across, center + radius * across);
+    let area = |radius: f32| std::f32::consts::PI * radius * radius;
+    let flat = |center: Vec3, radius: f32, normal: Vec3, two_sided: bool| {
+        let (lower, upper) = circle(center, radius);
+        LightBounds::flat(lower, upper, (radiance * area(radius)).clamp(f32::MIN_POSITIVE, f32::MAX), normal, two_sided)
+    };
+    if round.height == 0.0 {
+        listed.push(EmitterKind::Round, place, ROUND_SIDE as usize, flat(base, round.radius, axis, true));
+        return;
+    }
+    let closed = round.capped != 0;
+    let ((a, b), (c, d)) = (circle(base, round.radius), circle(top, round.top_radius));
+    let stretch = (1.0 + round.slope * round.slope).sqrt();
+    // Mean area of its outline: what a closed one shows to all sides is a quarter of its surface.
+    let power = radiance * (round.radius + round.top_radius) * round.height * stretch;
+    let power = power.clamp(f32::MIN_POSITIVE, f32::MAX);
+    // Normals lean toward the narrow end, all by one angle.
+    let toward = if round.slope > 0.0 { -axis } else { axis };
+    let spread = (round.slope.abs() / stretch).acos();
+    let side = LightBounds { spread, ..LightBounds::flat(a.min(c), b.max(d), power, toward, !closed) };
+    listed.push(EmitterKind::Round, place, ROUND_SIDE as usize, side);
+    if closed {
+        listed.push(EmitterKind::Round, place, ROUND_BOTTOM as usize, flat(base, round.radius, -axis, false));
+        if round.top_radius > 0.0 {
+            listed.push(EmitterKind::Round, place, ROUND_TOP as usize, flat(top, round.top_radius, axis, false));
+        }
     }
 }
 
@@ -139,14 +179,24 @@ fn list_triangles(buffers: &SceneBuffers, place: usize, instance: &Instance, rad
     }
 }
 
-/// Adds the lights without size.
-pub(super) fn without_size(buffers: &SceneBuffers, listed: &mut Listed) {
+/// Adds the lights that are no surfaces.
+pub(super) fn lights(buffers: &SceneBuffers, listed: &mut Listed) {
     for (place, light) in buffers.lights.iter().enumerate() {
         let power = luminance(light.intensity).min(f32::MAX);
-        if power > 0.0 {
+        if light.kind == LightKind::Sun as u32 {
+            listed.push(EmitterKind::Sun, place, 0, sun_bounds(light, power));
+        } else if power > 0.0 {
             listed.push(EmitterKind::Light, place, 0, light_bounds(light, power));
         }
     }
+}
+
+/// Bounds of a sun of this radiance: its offset is 1 - cosine of the angle to its rim.
+fn sun_bounds(sun: &Light, radiance: f32) -> LightBounds {
+    let half_angle = 2.0 * (0.5 * sun.angle_offset).sqrt().min(1.0).asin();
+    // However dim, it is listed.
+    let irradiance = (radiance * std::f32::consts::PI * half_angle.sin().powi(2)).max(f32::MIN_POSITIVE);
+    LightBounds { spread: half_angle, ..LightBounds::distant(-Vec3::from(sun.direction), irradiance) }
 }
 
 fn light_bounds(light: &Light, power: f32) -> LightBounds {

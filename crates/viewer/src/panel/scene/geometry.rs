@@ -1,7 +1,7 @@
 //! Editor of a shape's place and size.
 
-use egui::Ui;
-use raggio_scene::{Geometry, Placement, Scene, Vec3};
+use egui::{CollapsingHeader, Ui};
+use raggio_scene::{Contents, Entry, Geometry, Placement, Scene, Transform, Vec3};
 
 use crate::command::{Command, Edit};
 use crate::panel::controls::{number, row, step, table, vector};
@@ -10,11 +10,19 @@ use crate::panel::controls::{number, row, step, table, vector};
 pub fn show(ui: &mut Ui, scene: &Scene, index: usize, commands: &mut Vec<Command>) {
     ui.strong(super::shape_name(scene, index));
     let entry = &scene.entries[index];
-    if let Some(placement) = &entry.placement {
-        return self::placement(ui, placement, index, entry.material, commands);
+    match &entry.contents {
+        Contents::Model(placement) => self::placement(ui, placement, index, entry.material, commands),
+        Contents::Group(name) => table(ui, "group", |ui| {
+            row(ui, "group", |ui| ui.label(name));
+        }),
+        Contents::Geometry(geometry) => self::geometry(ui, geometry, index, entry.material, commands),
     }
-    let Some(shape) = scene.shapes_of(index).first() else { return };
-    let mut geometry = shape.geometry.clone();
+    transform(ui, entry, index, commands);
+}
+
+/// Draws the editor of a shape's numbers, as they are before its transform.
+fn geometry(ui: &mut Ui, old: &Geometry, index: usize, material: Option<usize>, commands: &mut Vec<Command>) {
+    let mut geometry = old.clone();
     table(ui, "geometry", |ui| match &mut geometry {
         Geometry::Sphere { center, radius } => {
             let speed = step(*radius);
@@ -36,6 +44,30 @@ pub fn show(ui: &mut Ui, scene: &Scene, index: usize, commands: &mut Vec<Command
                 *edge_u = perpendicular(*edge_u, *edge_v);
             }
         }
+        Geometry::Disk { center, normal, radius } => {
+            let speed = step(*radius);
+            row(ui, "center", |ui| vector(ui, center, speed));
+            row(ui, "normal", |ui| vector(ui, normal, 0.01));
+            row(ui, "radius", |ui| number(ui, radius, speed, 1e-6..=1e9));
+        }
+        Geometry::Cylinder { base, top, radius, capped } => {
+            let speed = step(radius.max(base.distance(*top)));
+            row(ui, "base", |ui| vector(ui, base, speed));
+            row(ui, "top", |ui| vector(ui, top, speed));
+            row(ui, "radius", |ui| number(ui, radius, step(*radius), 1e-6..=1e9));
+            row(ui, "capped", |ui| ui.checkbox(capped, ""));
+        }
+        Geometry::Cone { base, top, radius, top_radius, capped } => {
+            let speed = step(radius.max(base.distance(*top)));
+            row(ui, "base", |ui| vector(ui, base, speed));
+            row(ui, "top", |ui| vector(ui, top, speed));
+            // The wide end stays the wide one.
+            row(ui, "radius", |ui| number(ui, radius, step(*radius), 1e-6..=1e9));
+            let most = *radius;
+            row(ui, "top radius", |ui| number(ui, top_radius, step(most), 0.0..=most));
+            *top_radius = top_radius.min(most);
+            row(ui, "capped", |ui| ui.checkbox(capped, ""));
+        }
         Geometry::Box { center, size, rotation_degrees } => {
             let speed = step(size.max_element());
             row(ui, "center", |ui| vector(ui, center, speed));
@@ -47,8 +79,29 @@ pub fn show(ui: &mut Ui, scene: &Scene, index: usize, commands: &mut Vec<Command
         // A mesh has a placement instead.
         Geometry::Mesh { .. } => {}
     });
-    if geometry != shape.geometry {
-        commands.push(Command::Edit(Edit::Shape(index, geometry, shape.material)));
+    if geometry != *old {
+        commands.push(Command::Edit(Edit::Shape(index, geometry, material.unwrap_or_default())));
+    }
+}
+
+/// Draws the editor of a transform, closed where there is none. Models have a placement for it.
+fn transform(ui: &mut Ui, entry: &Entry, index: usize, commands: &mut Vec<Command>) {
+    let old = entry.transform;
+    if entry.placement().is_some() && old == Transform::IDENTITY {
+        return;
+    }
+    let mut new = old;
+    let is_open = old != Transform::IDENTITY || matches!(entry.contents, Contents::Group(_));
+    CollapsingHeader::new("transform").default_open(is_open).show(ui, |ui| {
+        table(ui, "transform", |ui| {
+            let speed = step(old.translation.length().max(1.0));
+            row(ui, "translation", |ui| vector(ui, &mut new.translation, speed));
+            row(ui, "rotation", |ui| vector(ui, &mut new.rotation_degrees, 0.5));
+            row(ui, "scale", |ui| scale(ui, &mut new.scale));
+        });
+    });
+    if new != old {
+        commands.push(Command::Edit(Edit::Transform(index, new)));
     }
 }
 

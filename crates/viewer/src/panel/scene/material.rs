@@ -1,10 +1,11 @@
 //! Editor of a shape's material.
 
 use egui::{ComboBox, DragValue, Slider, SliderClamping, Ui};
-use raggio_scene::{Geometry, Material, Principled, Reflection, Scene, Texture};
+use raggio_scene::{Contents, Geometry, Material, Principled, Reflection, Scene, Texture};
 
 use crate::command::{Command, Edit};
 use crate::panel::controls::{color, number, row, table};
+use crate::panel::scene::medium::medium;
 
 /// Refractive index of a new dielectric, that of glass.
 const GLASS: f32 = 1.5;
@@ -15,7 +16,7 @@ pub fn show(ui: &mut Ui, scene: &Scene, shape: usize, commands: &mut Vec<Command
     let mut chosen = current;
     ui.horizontal(|ui| {
         ui.strong("material");
-        choice(ui, scene, scene.entries[shape].placement.is_some(), &mut chosen);
+        choice(ui, scene, scene.entries[shape].geometry().is_none(), &mut chosen);
         // A copy of any other kind would have to be written by hand.
         let plain = current.is_some_and(|index| scene.materials[index].principled.is_none());
         let button = ui.add_enabled(plain, egui::Button::new("New"));
@@ -40,11 +41,11 @@ pub fn show(ui: &mut Ui, scene: &Scene, shape: usize, commands: &mut Vec<Command
 
 const ITS_OWN: &str = "its own";
 
-/// Draws the choice of a material of the scene's file; a model may have its own instead.
-fn choice(ui: &mut Ui, scene: &Scene, is_model: bool, chosen: &mut Option<usize>) {
+/// Draws the choice of a material of the scene's file; a model or a group may have its own instead.
+fn choice(ui: &mut Ui, scene: &Scene, may_have_own: bool, chosen: &mut Option<usize>) {
     let name = chosen.map_or(ITS_OWN, |index| &scene.materials[index].name);
     ComboBox::from_id_salt("material").selected_text(name).show_ui(ui, |ui| {
-        if is_model {
+        if may_have_own {
             ui.selectable_value(chosen, None, ITS_OWN);
         }
         for (index, material) in scene.materials.iter().enumerate().filter(|(_, material)| !material.imported) {
@@ -54,14 +55,11 @@ fn choice(ui: &mut Ui, scene: &Scene, is_model: bool, chosen: &mut Option<usize>
 }
 
 fn painted(scene: &Scene, shape: usize, material: Option<usize>) -> Option<Edit> {
-    match (&scene.entries[shape].placement, material) {
-        (Some(placement), material) => Some(Edit::Model(shape, placement.clone(), material)),
-        (None, Some(material)) => {
-            let geometry = scene.shapes_of(shape).first()?.geometry.clone();
-            Some(Edit::Shape(shape, geometry, material))
-        }
-        (None, None) => None,
-    }
+    Some(match &scene.entries[shape].contents {
+        Contents::Model(placement) => Edit::Model(shape, placement.clone(), material),
+        Contents::Group(_) => Edit::Group(shape, material),
+        Contents::Geometry(geometry) => Edit::Shape(shape, geometry.clone(), material?),
+    })
 }
 
 /// Draws a model's own materials, which come with its file, and are changed there.
@@ -111,6 +109,12 @@ fn summary(ui: &mut Ui, id: &str, surface: &Principled) {
 }
 
 fn fields(ui: &mut Ui, material: &mut Material) {
+    if material.is_seamless() {
+        // A body without a surface has nothing else.
+        medium(ui, &mut material.medium, false);
+        row(ui, "priority", |ui| ui.add(DragValue::new(&mut material.priority).speed(0.1)));
+        return;
+    }
     row(ui, "color", |ui| color(ui, &mut material.color));
     row(ui, "emission", |ui| {
         ui.horizontal(|ui| {
@@ -136,12 +140,15 @@ fn fields(ui: &mut Ui, material: &mut Material) {
             changed |= ui.add_enabled_ui(dielectric, |ui| number(ui, &mut value, 0.005, 0.1..=10.0).changed()).inner;
             if changed {
                 material.refractive_index = dielectric.then_some(value);
+                // What lets no light in has nothing in it.
+                material.medium = material.medium.filter(|_| dielectric);
             }
         });
     });
     if dielectric {
         row(ui, "reflection", |ui| reflection(ui, &mut material.reflection));
         row(ui, "priority", |ui| ui.add(DragValue::new(&mut material.priority).speed(0.1)));
+        medium(ui, &mut material.medium, true);
     }
 }
 
