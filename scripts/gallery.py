@@ -23,6 +23,7 @@ PICTURES = [
     ("materials", "materials", ["--size", "960x420", "--samples", "512"]),
     ("media", "media", []),
     ("guide/lights", "guide/lights", SMALL),
+    ("guide/sky", "guide/sky", SMALL),
     ("guide/shapes", "guide/shapes", SMALL),
     ("guide/textures", "guide/textures", SMALL),
     ("notes/01-sky", "notes/01-sky", SMALL),

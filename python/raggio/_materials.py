@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from datetime import datetime
 from os import PathLike
 from typing import Any, Literal
 
@@ -221,7 +222,11 @@ class Principled(_Table):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Environment(_Table):
-    """Light from outside: ``color``, or ``horizon`` and ``zenith``, or ``image``."""
+    """Light from outside.
+
+    ``color``, or ``horizon`` and ``zenith``, or ``image``, or the sky by day: by ``sun_direction``, or by
+    ``latitude_degrees``, ``longitude_degrees`` and ``time``.
+    """
 
     #: Radiance that comes from everywhere alike.
     color: Color | None = None
@@ -232,7 +237,21 @@ class Environment(_Table):
     #: Latitude-longitude image, by its path or as an array (height, width, 3) of linear radiance; its centre is seen
     #: along -Z, its right along +X, its top along +Y.
     image: ImageLike | None = None
-    #: Angle by which the image is turned about the y axis, counter-clockwise seen from above.
+    #: Direction toward the sun, of any length but 0 and not below the horizon, which makes a sky by day: up is +Y.
+    sun_direction: Sequence[float] | npt.NDArray[Any] | None = None
+    #: Latitude of the place whose sky is seen, north of the equator positive; north is along -Z, east along +X.
+    latitude_degrees: float | None = None
+    #: Longitude of the place, east of Greenwich positive.
+    longitude_degrees: float | None = None
+    #: Date and time at which the sky is seen, with its offset from universal time; a text is as in RFC 3339.
+    time: datetime | str | None = None
+    #: Haziness of the air, from 1, pure, over 3, a clear day and the default, to 10, hazy.
+    turbidity: float | None = None
+    #: Part of the light that the ground reflects, 0.2 by default: it brightens the sky and is seen below the horizon.
+    ground_albedo: Color | None = None
+    #: Factor that multiplies the light straight from the sun; 1 by default, 0 for a sun that is hidden.
+    sun_intensity: float | None = None
+    #: Angle by which the image, or the sky with its sun, is turned about the y axis, counter-clockwise seen from above.
     rotation_degrees: float | None = None
-    #: Factor that multiplies the image.
+    #: Factor that multiplies the image, or the light of sky and sun.
     intensity: float | None = None

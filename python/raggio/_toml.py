@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from datetime import datetime
 from pathlib import PurePath
 from typing import Any
 
@@ -20,6 +21,9 @@ def value(of: Any) -> str:
         return number(of)
     if isinstance(of, (str, PurePath)):
         return text(str(of))
+    if isinstance(of, datetime):
+        # A time without an offset is none of TOML's that a sky could be seen at: raggio says so.
+        return of.isoformat()
     if isinstance(of, np.ndarray):
         return value(of.tolist())
     if isinstance(of, Mapping):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 import warnings
+from datetime import datetime, timezone
 
 import numpy as np
 import pytest
@@ -128,6 +130,23 @@ def test_textures_and_environments_of_arrays() -> None:
     scene.environment = rg.Environment(image=sky, rotation_degrees=180)
     pixels = np.asarray(render(scene, FRONT, size=(16, 8), samples=16))
     assert pixels[:, :4].min() > 4 and pixels[:, 12:].max() < 1
+
+
+def test_a_sky_by_day() -> None:
+    """The sun stands where the place and the time say, and its sky is read back as it was given."""
+    scene = rg.Scene()
+    noon = datetime(2026, 6, 21, 12, 0, tzinfo=timezone.utc)
+    day = rg.Environment(latitude_degrees=0, longitude_degrees=0, time=noon, turbidity=2)
+    scene.environment = day
+    assert scene.environment == day
+    # The sun is 66.5 degrees high in the north, which is along -Z.
+    pixels = np.asarray(render(scene, FRONT, size=(16, 16), samples=16))
+    behind = rg.Environment(sun_direction=(0, math.sin(math.radians(66.5)), math.cos(math.radians(66.5))), turbidity=2)
+    scene.environment = behind
+    away = np.asarray(render(scene, FRONT, size=(16, 16), samples=16))
+    assert pixels[2, :, :3].mean() > 1.3 * away[2, :, :3].mean()
+    with pytest.raises(rg.SceneError, match="with its offset"):
+        scene.environment = rg.Environment(latitude_degrees=0, longitude_degrees=0, time=datetime(2026, 6, 21))
 
 
 def test_environments_that_are_wrong() -> None:

@@ -8,11 +8,12 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glam::{DVec3, Vec3};
 use raggio_choice::endings;
 use raggio_images::{Bitmap, Image, ImageError, Limits, Problem};
 use raggio_models::{Animation, Format, GltfOptions, GltfSequence, LoadOptions, Model, ModelError, Place};
 
-use crate::names;
+use crate::{names, sky};
 use cache::{Cache, Depends, Key};
 
 pub(crate) use imported::{Bounds, Imported, can_be_undone};
@@ -52,6 +53,8 @@ pub struct Assets {
     sequences: HashMap<PathBuf, GltfSequence>,
     /// Times at which models were read that are equal at every time, by their paths.
     still: HashMap<PathBuf, Option<f64>>,
+    /// Image of the sky that was asked for last, with what it was made of.
+    sky: Option<(SkyKey, Arc<Bitmap>)>,
     /// Whether scenes are read at one moment after another.
     moves_on: bool,
     /// Whether files have changed that no scene was made of since.
@@ -201,6 +204,19 @@ impl Assets {
         Ok(model)
     }
 
+    /// Image of a sky by day: see [`sky::bake`].
+    pub(crate) fn sky(&mut self, toward: DVec3, turbidity: f32, albedo: Vec3, sun_intensity: f32) -> Arc<Bitmap> {
+        let key = (toward, turbidity, albedo, sun_intensity);
+        if let Some((known, image)) = &self.sky
+            && *known == key
+        {
+            return image.clone();
+        }
+        let image = Arc::new(sky::bake(toward, turbidity, albedo, sun_intensity));
+        self.sky = Some((key, image.clone()));
+        image
+    }
+
     /// The image at `path`.
     pub(crate) fn image(&mut self, path: PathBuf) -> Result<Arc<Picture>, Trouble> {
         if let Some(given) = self.given_images.get(&path) {
@@ -220,6 +236,9 @@ impl Assets {
         })
     }
 }
+
+/// What the image of a sky is made of: the direction toward the sun, turbidity, the ground's albedo, the sun's intensity.
+type SkyKey = (DVec3, f32, Vec3, f32);
 
 impl Depends for Picture {
     fn others(&self) -> impl Iterator<Item = &Path> {

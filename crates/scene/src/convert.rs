@@ -79,6 +79,9 @@ pub(crate) fn scene(file: &SceneFile, folder: &Path, assets: &mut Assets, review
         }
     }
     builder.check_groups();
+    if let Environment::Sky(sky) = &scene.environment {
+        scene.lights.extend(sky.sun());
+    }
     warnings.append(&mut files.warnings);
     if review.count() == 0 {
         warnings.extend(radians(&posed));

@@ -7,6 +7,7 @@ mod keyframes;
 mod lights;
 mod medium;
 mod principled;
+mod time;
 
 use std::fmt;
 
@@ -18,8 +19,8 @@ use serde_json::{Value, json};
 use crate::curve::Interpolation;
 use crate::named::Named;
 use crate::number::{
-    Brightness, Coordinate, FieldOfView, FocalLength, Fraction, NonNegative, PixelPlace, Positive, Reflectance,
-    RefractiveIndex, Version, Whole,
+    Brightness, Coordinate, FieldOfView, FocalLength, Fraction, Latitude, Longitude, NonNegative, PixelPlace, Positive,
+    Reflectance, RefractiveIndex, Turbidity, Version, Whole,
 };
 use crate::scene::{Filter, Panorama, RenderSettings, Sampler};
 
@@ -30,6 +31,7 @@ pub(crate) use medium::{CoefficientFile, MediumFile};
 pub(crate) use principled::{
     AlphaModeFile, PrincipledFile, TextureFile, TextureFilterFile, TextureTable, WrapFile, WrapName,
 };
+pub(crate) use time::Time;
 
 /// A point or a direction: x, y and z.
 pub(crate) type Point = [Coordinate; 3];
@@ -157,14 +159,20 @@ pub(crate) struct IntrinsicsFile {
     pub size: [Whole<1, 65536>; 2],
 }
 
-/// Light from outside: `color`, or `horizon` and `zenith`, or `image`.
+/// Light from outside: `color`, or `horizon` and `zenith`, or `image`, or the sky by day, by `sun_direction` or by
+/// `latitude_degrees`, `longitude_degrees` and `time`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend("oneOf" = [
-    { "required": ["color"] }, { "required": ["horizon", "zenith"] }, { "required": ["image"] }
+    { "required": ["color"] }, { "required": ["horizon", "zenith"] }, { "required": ["image"] },
+    { "required": ["sun_direction"] }, { "required": ["latitude_degrees", "longitude_degrees", "time"] }
 ]), extend("dependentRequired" = {
-    "horizon": ["zenith"], "zenith": ["horizon"], "rotation_degrees": ["image"], "intensity": ["image"]
-}))]
+    "horizon": ["zenith"], "zenith": ["horizon"], "latitude_degrees": ["time"], "longitude_degrees": ["time"]
+}), extend("dependentSchemas" = dependent(&[
+    ("rotation_degrees", &["image", "sun_direction", "time"]), ("intensity", &["image", "sun_direction", "time"]),
+    ("turbidity", &["sun_direction", "time"]), ("ground_albedo", &["sun_direction", "time"]),
+    ("sun_intensity", &["sun_direction", "time"]),
+])))]
 #[schemars(rename = "Environment")]
 pub(crate) struct EnvironmentFile {
     /// Radiance that comes from everywhere alike.
@@ -175,12 +183,60 @@ pub(crate) struct EnvironmentFile {
     pub zenith: Option<Radiance>,
     /// Latitude-longitude image (HDR, EXR, PNG, JPEG, WebP, KTX2), its path relative to the scene file; its centre is seen along -Z, its right along +X, its top along +Y.
     pub image: Option<String>,
-    /// Angle by which the image is turned about the y axis, counter-clockwise seen from above; needs `image`.
+    /// Direction toward the sun, of any length but 0 and not below the horizon, which makes a sky by day: up is +Y.
+    pub sun_direction: Option<Point>,
+    /// Latitude of the place whose sky is seen, north of the equator positive; needs `longitude_degrees` and `time`. North is along -Z, east along +X.
+    pub latitude_degrees: Option<Latitude>,
+    /// Longitude of the place, east of Greenwich positive; needs `latitude_degrees` and `time`.
+    pub longitude_degrees: Option<Longitude>,
+    /// Date and time at which the sky is seen, with the clock's offset from universal time: `2026-06-21T17:30:00+02:00`; needs `latitude_degrees` and `longitude_degrees`.
+    pub time: Option<Time>,
+    /// Haziness of the air, from 1, pure, over 3, a clear day, to 10, hazy; needs a sky by day.
+    #[schemars(extend("default" = 3.0))]
+    pub turbidity: Option<Turbidity>,
+    /// Part of the light that the ground reflects, which brightens the sky and is seen below the horizon; needs a sky by day.
+    #[schemars(extend("default" = [0.2, 0.2, 0.2]))]
+    pub ground_albedo: Option<Color<Reflectance>>,
+    /// Factor that multiplies the light straight from the sun, 0 for a sun that is hidden; needs a sky by day.
+    #[schemars(extend("default" = 1.0))]
+    pub sun_intensity: Option<Brightness>,
+    /// Angle by which the image, or the sky with its sun, is turned about the y axis, counter-clockwise seen from above; needs either.
     #[schemars(extend("default" = 0.0))]
     pub rotation_degrees: Option<Coordinate>,
-    /// Factor that multiplies the image; needs `image`.
+    /// Factor that multiplies the image, or the light of sky and sun; needs either.
     #[schemars(extend("default" = 1.0))]
     pub intensity: Option<Brightness>,
+}
+
+impl EnvironmentFile {
+    /// Keys that are given, in the order of the fields.
+    pub fn given(&self) -> Vec<&'static str> {
+        let keys = [
+            ("color", self.color.is_some()),
+            ("horizon", self.horizon.is_some()),
+            ("zenith", self.zenith.is_some()),
+            ("image", self.image.is_some()),
+            ("sun_direction", self.sun_direction.is_some()),
+            ("latitude_degrees", self.latitude_degrees.is_some()),
+            ("longitude_degrees", self.longitude_degrees.is_some()),
+            ("time", self.time.is_some()),
+            ("turbidity", self.turbidity.is_some()),
+            ("ground_albedo", self.ground_albedo.is_some()),
+            ("sun_intensity", self.sun_intensity.is_some()),
+            ("rotation_degrees", self.rotation_degrees.is_some()),
+            ("intensity", self.intensity.is_some()),
+        ];
+        keys.into_iter().filter_map(|(key, is_given)| is_given.then_some(key)).collect()
+    }
+}
+
+/// Keys that are of use beside one of others alone.
+fn dependent(keys: &[(&str, &[&str])]) -> Value {
+    let rule = |(key, beside): &(&str, &[&str])| {
+        let any: Vec<_> = beside.iter().map(|key| json!({ "required": [key] })).collect();
+        ((*key).to_owned(), json!({ "anyOf": any }))
+    };
+    Value::Object(keys.iter().map(rule).collect())
 }
 
 /// Way in which a surface reflects, transmits and emits light: `principled`, or any of the other keys; and what a body is

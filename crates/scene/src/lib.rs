@@ -43,6 +43,7 @@ mod rock;
 mod scene;
 mod schema;
 mod showing;
+mod sky;
 mod source;
 
 pub use assets::{AssetOptions, Assets, is_model};
@@ -65,3 +66,4 @@ pub use scene::{
 };
 pub use schema::schema;
 pub use showing::cameras;
+pub use sky::{Moment, Sky, SunPlace};

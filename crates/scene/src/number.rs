@@ -107,6 +107,18 @@ fn disk_angle(x: f64) -> Result<(), Rule> {
     require(in_range, "must be 0, or at least 0.01 and at most 180", "the sun's is 0.53, seen from the earth")
 }
 
+fn latitude(x: f64) -> Result<(), Rule> {
+    require((-90.0..=90.0).contains(&x), "must be between -90 and 90", "south of the equator it is negative")
+}
+
+fn longitude(x: f64) -> Result<(), Rule> {
+    require((-180.0..=180.0).contains(&x), "must be between -180 and 180", "west of Greenwich it is negative")
+}
+
+fn turbidity(x: f64) -> Result<(), Rule> {
+    require((1.0..=10.0).contains(&x), "must be between 1 and 10", "a clear day has about 3, a hazy one 6")
+}
+
 fn focal_length(x: f64) -> Result<(), Rule> {
     require(x > 0.0, "must be greater than 0", "")?;
     require((1e-3..=1e9).contains(&x), "must be at least 0.001 and at most 1e9", "it is in pixels")
@@ -180,6 +192,12 @@ numbers! {
     ConeAngle, cone_angle, { "minimum": 0, "maximum": 90 };
     /// Width of a disk of the sky in degrees; 0 for none.
     DiskAngle, disk_angle, { "minimum": 0, "maximum": 180, "not": { "exclusiveMinimum": 0, "exclusiveMaximum": 0.01 } };
+    /// Latitude on the earth in degrees.
+    Latitude, latitude, { "minimum": -90, "maximum": 90 };
+    /// Longitude on the earth in degrees.
+    Longitude, longitude, { "minimum": -180, "maximum": 180 };
+    /// Haziness of the air, as the models of the sky have it.
+    Turbidity, turbidity, { "minimum": 1, "maximum": 10 };
     /// Focal length in pixels.
     FocalLength, focal_length, { "minimum": 0.001, "maximum": 1e9 };
     /// Place along one side of a picture, in pixels.

@@ -22,7 +22,7 @@ use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 
 use crate::fault::{Fault, Kind, Step, steps};
-use crate::file::{COLOR, Shapes};
+use crate::file::{COLOR, Shapes, Time};
 use crate::names;
 use crate::review::Review;
 use stand_in::StandIn;
@@ -168,8 +168,13 @@ impl<'de> Deserializer<'de> for Node<'de> {
         visitor.visit_some(self)
     }
 
-    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> Result<V::Value, Fault> {
-        visitor.visit_newtype_struct(self)
+    fn deserialize_newtype_struct<V: Visitor<'de>>(self, name: &'static str, visitor: V) -> Result<V::Value, Fault> {
+        match self.value {
+            DeValue::Datetime(time) if name == Time::NAME => visitor.visit_str(&time.to_string()),
+            DeValue::String(_) => visitor.visit_newtype_struct(self),
+            _ if name == Time::NAME => Err(self.is_not(Time::EXPECTED)),
+            _ => visitor.visit_newtype_struct(self),
+        }
     }
 
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {

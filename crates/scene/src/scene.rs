@@ -8,6 +8,8 @@ use raggio_choice::choice;
 use raggio_images::Bitmap;
 use raggio_models::{Light, LightKind, Mesh, Part, Principled};
 
+use crate::sky::Sky;
+
 /// A checked scene: every number is finite, every index is in range.
 ///
 /// Lengths are in the scene's own unit, angles in degrees, light in linear radiance.
@@ -27,7 +29,7 @@ pub struct Scene {
     pub shapes: Vec<Shape>,
     /// Results of each `[[shapes]]` of the file, in its order.
     pub entries: Vec<Entry>,
-    /// Lights that are no surfaces: those of `light_entries`, and after them those that came with models.
+    /// Lights that are no surfaces: those of `light_entries`, after them those that came with models, and last the sky's sun.
     pub lights: Vec<Light>,
     /// Each `[[lights]]` of the file, in its order.
     pub light_entries: Vec<LightEntry>,
@@ -250,6 +252,8 @@ pub enum Environment {
         /// Factor of the image's radiance.
         intensity: f32,
     },
+    /// A sky by day.
+    Sky(Sky),
 }
 
 impl Environment {
@@ -258,7 +262,7 @@ impl Environment {
         match self {
             Self::Constant(color) => *color == Vec3::ZERO,
             Self::Gradient { horizon, zenith } => *horizon == Vec3::ZERO && *zenith == Vec3::ZERO,
-            Self::Image { intensity, .. } => *intensity == 0.0,
+            Self::Image { intensity, .. } | Self::Sky(Sky { intensity, .. }) => *intensity == 0.0,
         }
     }
 }

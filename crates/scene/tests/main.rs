@@ -10,3 +10,4 @@ mod load;
 mod reference;
 mod rock;
 mod schema;
+mod sky;

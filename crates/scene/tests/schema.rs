@@ -260,7 +260,9 @@ fn its_defaults_are_those_of_the_reader() {
     };
     lines("[render]", defaults("Render", &[]));
     lines(&format!("[camera]\n{camera}"), defaults("Camera", &["interpolation"]));
-    lines("[environment]\nimage = \"pixel.hdr\"", defaults("Environment", &[]));
+    let of_skies = ["turbidity", "ground_albedo", "sun_intensity"];
+    lines("[environment]\nimage = \"pixel.hdr\"", defaults("Environment", &of_skies));
+    lines("[environment]\nsun_direction = [1, 1, 1]", defaults("Environment", &[]));
     for (kind, table, required) in [
         ("point", "Point", "position = [0, 1, 0]"),
         ("spot", "Spot", "position = [0, 1, 0], direction = [0, -1, 0]"),

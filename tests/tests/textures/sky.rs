@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3, Vec3};
 use raggio_render::{DeviceScene, Probe, Question};
 use raggio_scene::{Bitmap, Environment, Filter, Panorama, Projection, Scene, Texels, Texture, Wrap};
 use raggio_tests::render::means;
-use raggio_tests::{Pcg, TestDevice, for_each_device, render};
+use raggio_tests::{Pcg, TestDevice, for_each_device, for_each_device_with, render};
 
 use crate::textures::{anywhere, bilinear, bright, distance, texel, varied};
 
@@ -211,5 +211,40 @@ fn cameras_see_it() {
                 assert!((found - expected).abs().max_element() < 1e-3, "{}: {found} for {expected}", device.label);
             }
         }
+    });
+}
+
+/// The ground below a sky is as bright as a plane of its albedo that sky and sun light.
+#[test]
+fn the_ground_is_as_bright_as_a_plane() {
+    let text = "[render]
+width = 8
+height = 8
+[camera]
+position = [0, 1, 0]
+look_at = [0, 0, -0.1]
+vertical_fov_degrees = 10
+[environment]
+sun_direction = [1, 1.5, 0.5]
+turbidity = 4
+ground_albedo = [0.1, 0.3, 0.5]
+sun_intensity = 0.5
+intensity = 2
+[materials.ground]
+color = [0.1, 0.3, 0.5]
+[[shapes]]
+material = \"ground\"
+plane = { point = [0, 0, 0], normal = [0, 1, 0] }
+";
+    let scene = raggio_tests::parse(text);
+    let mut bare = scene.clone();
+    bare.shapes.clear();
+    for_each_device_with(&scene, |device| {
+        let [ground, plane] = [(&bare, 1), (&scene, 256)].map(|(scene, samples)| {
+            let means = means(&render(device.device, scene, samples));
+            means.iter().sum::<DVec3>() / means.len() as f64
+        });
+        let off = ((plane - ground) / ground).abs().max_element();
+        assert!(off < 0.01, "{}: {plane}, not {ground}", device.label);
     });
 }

@@ -11,10 +11,10 @@ use std::sync::Arc;
 use glam::Vec3;
 use raggio_kernels::{
     BvhNode, CameraMedium, Light as DeviceLight, LightKind as DeviceLightKind, MAX_NESTED_MEDIA, Motion, NO_TEXTURE,
-    PixelFilter, SHEETS, SceneBuffers, SceneCounts, Sequence, ShapeKind, Sky, Work,
+    PixelFilter, SHEETS, SceneBuffers, SceneCounts, Sequence, ShapeKind, Sky as DeviceSky, Work,
 };
 use raggio_scene::{
-    Environment, Filter, Geometry, Light, LightKind, Mesh, RenderSettings, Sampler, Scene, Texture, Wrap,
+    Environment, Filter, Geometry, Light, LightKind, Mesh, RenderSettings, Sampler, Scene, Sky, Texture, Wrap,
 };
 
 use crate::translation::bounds::shape_bounds;
@@ -260,8 +260,8 @@ fn work(render: &RenderSettings) -> Work {
     }
 }
 
-fn device_sky(environment: &Environment, textures: &mut TextureTable) -> Result<Sky, TranslationError> {
-    let gradient = |horizon: &Vec3, zenith: &Vec3| Sky {
+fn device_sky(environment: &Environment, textures: &mut TextureTable) -> Result<DeviceSky, TranslationError> {
+    let gradient = |horizon: &Vec3, zenith: &Vec3| DeviceSky {
         horizon: horizon.to_array(),
         zenith: zenith.to_array(),
         image: NO_TEXTURE,
@@ -270,7 +270,8 @@ fn device_sky(environment: &Environment, textures: &mut TextureTable) -> Result<
     Ok(match environment {
         Environment::Constant(radiance) => gradient(radiance, radiance),
         Environment::Gradient { horizon, zenith } => gradient(horizon, zenith),
-        Environment::Image { image, rotation_degrees, intensity } => {
+        Environment::Image { image, rotation_degrees, intensity }
+        | Environment::Sky(Sky { image, rotation_degrees, intensity, .. }) => {
             // A turn about the y axis moves the image to the side.
             let turns = (f64::from(*rotation_degrees) / 360.0).rem_euclid(1.0) as f32;
             let texture = Texture {
@@ -278,7 +279,8 @@ fn device_sky(environment: &Environment, textures: &mut TextureTable) -> Result<
                 wrap: [Wrap::Repeat, Wrap::ClampToEdge],
                 ..Texture::new(image.clone())
             };
-            Sky { image: textures.add(&texture, ColorSpace::Srgb)?, intensity: *intensity, ..Sky::default() }
+            let image = textures.add(&texture, ColorSpace::Srgb)?;
+            DeviceSky { image, intensity: *intensity, ..DeviceSky::default() }
         }
     })
 }

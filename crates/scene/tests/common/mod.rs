@@ -3,7 +3,7 @@
 use std::f32::consts::FRAC_PI_2;
 use std::path::PathBuf;
 
-use raggio_scene::{Environment, Geometry, LightKind, Reflection, Scene, Vec3};
+use raggio_scene::{Environment, Geometry, LightKind, Reflection, Scene, Sky, Vec3};
 
 /// Every key that a scene may have in this version, but for those that exclude others.
 pub const EXAMPLE: &str = r#"version = 1
@@ -124,7 +124,8 @@ pub fn check_invariants(scene: &Scene) {
             check_light(*horizon);
             check_light(*zenith);
         }
-        Environment::Image { rotation_degrees, intensity, .. } => {
+        Environment::Image { rotation_degrees, intensity, .. }
+        | Environment::Sky(Sky { rotation_degrees, intensity, .. }) => {
             assert!(rotation_degrees.is_finite());
             check_light(Vec3::splat(*intensity));
         }

@@ -3,7 +3,7 @@
 
 use raggio_scene::{
     Camera, Environment, Geometry, Intrinsics, LightEntry, LightPlace, Material, Medium, Placement, Projection,
-    Reflection, RenderSettings, Transform, Vec3,
+    Reflection, RenderSettings, Sky, SunPlace, Transform, Vec3,
 };
 
 use crate::navigation::view_distance;
@@ -105,7 +105,16 @@ pub(super) fn medium(old: &Medium, new: &Medium) -> Vec<Field> {
 }
 
 pub(super) fn environment(old: &Environment, new: &Environment) -> Vec<Field> {
-    use Datum::{Absent, Vector};
+    use Datum::{Absent, Number, Vector};
+    // What is meant by the absence of what only some environments have.
+    let is_sky = matches!(new, Environment::Sky(_));
+    let has_image = is_sky || matches!(new, Environment::Image { .. });
+    let of_sky = |key, default: Datum, datum: fn(&Sky) -> Datum| {
+        field(key, old, new, if is_sky { default } else { Absent }, |it| match it {
+            Environment::Sky(sky) => datum(sky),
+            _ => Absent,
+        })
+    };
     vec![
         field("color", old, new, Absent, |it| match it {
             Environment::Constant(color) => Vector(*color),
@@ -124,23 +133,37 @@ pub(super) fn environment(old: &Environment, new: &Environment) -> Vec<Field> {
             Environment::Image { .. } => Datum::Word("an image"),
             _ => Absent,
         }),
-        field("rotation_degrees", old, new, of_image(new, 0.0), |it| match it {
-            Environment::Image { rotation_degrees, .. } => Datum::Number(*rotation_degrees),
+        field("sun_direction", old, new, Absent, |it| match it {
+            Environment::Sky(Sky { sun: SunPlace::Direction(direction), .. }) => Vector(*direction),
             _ => Absent,
         }),
-        field("intensity", old, new, of_image(new, 1.0), |it| match it {
-            Environment::Image { intensity, .. } => Datum::Number(*intensity),
+        field("latitude_degrees", old, new, Absent, |it| match it {
+            Environment::Sky(Sky { sun: SunPlace::Moment { latitude_degrees, .. }, .. }) => Number(*latitude_degrees),
+            _ => Absent,
+        }),
+        field("longitude_degrees", old, new, Absent, |it| match it {
+            Environment::Sky(Sky { sun: SunPlace::Moment { longitude_degrees, .. }, .. }) => Number(*longitude_degrees),
+            _ => Absent,
+        }),
+        // A time, too, can be taken away alone.
+        field("time", old, new, Absent, |it| match it {
+            Environment::Sky(Sky { sun: SunPlace::Moment { .. }, .. }) => Datum::Word("a time"),
+            _ => Absent,
+        }),
+        of_sky("turbidity", Number(Sky::TURBIDITY), |it| Number(it.turbidity)),
+        of_sky("ground_albedo", Vector(Vec3::splat(Sky::GROUND_ALBEDO)), |it| Vector(it.ground_albedo)),
+        of_sky("sun_intensity", Number(1.0), |it| Number(it.sun_intensity)),
+        field("rotation_degrees", old, new, if has_image { Number(0.0) } else { Absent }, |it| match it {
+            Environment::Image { rotation_degrees, .. } | Environment::Sky(Sky { rotation_degrees, .. }) => {
+                Number(*rotation_degrees)
+            }
+            _ => Absent,
+        }),
+        field("intensity", old, new, if has_image { Number(1.0) } else { Absent }, |it| match it {
+            Environment::Image { intensity, .. } | Environment::Sky(Sky { intensity, .. }) => Number(*intensity),
             _ => Absent,
         }),
     ]
-}
-
-/// Value that is meant by the absence of a number that only an image has.
-fn of_image(environment: &Environment, default: f32) -> Datum {
-    match environment {
-        Environment::Image { .. } => Datum::Number(default),
-        _ => Datum::Absent,
-    }
 }
 
 /// The keys of two lights of one kind.

@@ -1,7 +1,7 @@
 //! Editors of the lights that are no surfaces.
 
 use egui::{CollapsingHeader, Ui};
-use raggio_scene::{LightEntry, LightPlace, Vec3};
+use raggio_scene::{Environment, LightEntry, LightPlace, Vec3};
 
 use crate::command::{Command, Edit};
 use crate::panel::controls::{color, number, row, step, table, vector};
@@ -14,7 +14,8 @@ pub fn show(ui: &mut Ui, viewer: &Viewer, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.strong("lights");
         ui.menu_button("Add", |ui| add(ui, viewer, commands)).response.on_hover_text("a light that is no surface");
-        let of_models = scene.lights.len() - scene.light_entries.len();
+        let has_sun = matches!(&scene.environment, Environment::Sky(sky) if sky.sun().is_some());
+        let of_models = scene.lights.len() - scene.light_entries.len() - usize::from(has_sun);
         if of_models > 0 {
             ui.weak(format!("and {of_models} of models"));
         }
