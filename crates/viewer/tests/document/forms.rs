@@ -1,6 +1,6 @@
 //! Every edit on every way to write a scene.
 
-use raggio_scene::{Environment, Filter, Geometry, Medium, Projection, Reflection, Vec3};
+use raggio_scene::{Environment, Filter, Geometry, Medium, Projection, Reflection, Sky, SunPlace, Vec3};
 
 use crate::document::{DOTTED, FORMS, HEADERS, INLINE, ball, check, document, edited, with};
 
@@ -250,6 +250,32 @@ fn an_environment_comes_and_changes() {
         // The keys are new, so that the order of the root's own may differ.
         assert!(after.contains(new), "{after}");
     }
+}
+
+#[test]
+fn a_sky_by_day_comes_and_changes() {
+    let day = Sky::of(SunPlace::Direction(Vec3::Y));
+    for text in FORMS {
+        let after = edited(text, |it| it.set_environment(&Environment::Sky(day.clone())).unwrap());
+        assert!(after.contains("\n[environment]\nsun_direction = [0, 1, 0]\n"), "{after}");
+        let mut it = document(&after);
+        let hazy = Sky { turbidity: 5.0, ground_albedo: Vec3::splat(0.5), intensity: 2.0, ..day.clone() };
+        assert!(it.set_environment(&Environment::Sky(hazy)).unwrap());
+        let keys = "sun_direction = [0, 1, 0]\nturbidity = 5\nground_albedo = [0.5, 0.5, 0.5]\nintensity = 2\n";
+        assert!(it.text().contains(keys), "{}", it.text());
+        check(&it);
+        assert!(it.set_environment(&Environment::Constant(Vec3::ONE)).unwrap());
+        assert!(it.text().contains("[environment]\ncolor = [1, 1, 1]\n"), "{}", it.text());
+    }
+    // A sun that is moved by hand is no longer that of a time.
+    let moment =
+        "[environment]\nlatitude_degrees = 48\nlongitude_degrees = 16\ntime = 2026-06-21T12:00:00Z\nturbidity = 4\n";
+    let after = edited(&format!("{HEADERS}\n{moment}"), |it| {
+        let Environment::Sky(sky) = it.scene().environment.clone() else { panic!("a sky") };
+        let hand = Sky { sun: SunPlace::Direction(Vec3::Y), ..sky };
+        it.set_environment(&Environment::Sky(hand)).unwrap()
+    });
+    assert!(after.contains("turbidity = 4\nsun_direction = [0, 1, 0]\n") && !after.contains("time"), "{after}");
 }
 
 #[test]
