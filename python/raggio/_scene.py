@@ -101,11 +101,11 @@ class Scene:
         id: int | None,
         smooth: bool,
     ) -> int:
-        placed = {} if transform is None else {"transform": _transforms.similarity(transform)}
-        if isinstance(shape, Group):
-            return self._add({"group": self._group(shape), **placed}, material, id, checked=True)
-        if isinstance(shape, _Shape):
-            return self._add({**shape._table(), **placed}, material if material is not None else Material(), id)
+        if isinstance(shape, (Group, _Shape)):
+            place = {} if transform is None else {"transform": _transforms.similarity(transform)}
+            if isinstance(shape, Group):
+                return self._add({"group": self._group(shape), **place}, material, id, checked=True)
+            return self._add({**shape._table(), **place}, material if material is not None else Material(), id)
         placement = transform if transform is not None else np.eye(4)
         if isinstance(shape, (str, os.PathLike)):
             file = {"file": os.path.abspath(shape), **_transforms.placement(placement)}
